@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The one surface model. A face whose loop has three vertices is that triangle. Any other face is a fan of triangles
+// around a virtual vertex, the mean of the face's corners (Face::is_corner), whose value is the mean of their values. It
+// depends on the face alone, so both cells agree on it, and it bears faces that are not planar and vertices that hang
+// in an edge. Volume, mean value coordinates, quadrature, contact and markers all use this surface.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "polyscalpel/core/types.hpp"
+#include "polyscalpel/mesh/polyhedral_mesh.hpp"
+
+namespace polyscalpel {
+
+/// Number of triangles of a face: 1 for three vertices, else one for each loop entry.
+int numTriangles(const Face& face);
+
+/// The virtual vertex of a face: mean of its corners [m]. positions: 3 x n, one column per vertex.
+Eigen::Vector3d virtualVertex(const Face& face, const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
+
+/// Corners of the i-th triangle of a face, one column each [m], counter-clockwise as the loop is. For a fan: the virtual
+/// vertex, loop[i], loop[i + 1].
+Eigen::Matrix3d triangleCorners(const Face& face, int i, const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
+
+/// A point on the surface as a weighted mean of mesh vertices.
+struct WeightedVertex {
+  VertexId vertex;
+  double weight = 0;
+};
+
+/// Weights on the face's vertices of a point with the given barycentric coordinates in the i-th triangle. The virtual
+/// vertex hands its share in equal parts to the corners. Each vertex occurs once; the weights sum to the coordinates' sum.
+std::vector<WeightedVertex> vertexWeights(const Face& face, int i, const Eigen::Vector3d& barycentric);
+
+/// The closed triangle surface of one cell, in local indices.
+struct CellSurface {
+  Eigen::Matrix3Xd points;                    ///< 3 x (n + m) [m]: the cell's n vertices in the order of Cell::vertices,
+                                              ///< then one virtual vertex for each of its m faces that are fans
+  int num_vertices = 0;                       ///< n
+  std::vector<std::array<int, 3>> triangles;  ///< outward, indices into points
+  std::vector<std::vector<int>> parents;      ///< for each virtual vertex the local vertices whose mean it is
+
+  bool isTetrahedron() const { return num_vertices == 4 && triangles.size() == 4; }
+};
+
+/// The surface of a cell in the given positions (3 x number of mesh vertices, one column per vertex [m]).
+CellSurface makeCellSurface(const PolyhedralMesh& mesh, CellId cell,
+                            const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
+
+/// Volume [m^3], positive for outward triangles.
+double volume(const CellSurface& surface);
+
+/// Mean of the cell's n vertices [m]: inside every convex cell, the apex of the sub-tets.
+Eigen::Vector3d vertexMean(const CellSurface& surface);
+
+/// Smallest volume of the tetrahedra (vertexMean, surface triangle) [m^3]; positive for a star-shaped cell.
+double smallestSubTetVolume(const CellSurface& surface);
+
+/// Volume of the whole mesh in the given positions [m^3].
+double volume(const PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
+
+}  // namespace polyscalpel

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "polyscalpel/collision/contact_forces.hpp"
+#include "polyscalpel/cutting/cut_mesh.hpp"
+#include "polyscalpel/mesh/polyhedral_mesh.hpp"
+#include "polyscalpel/simulation/simulation_config.hpp"
+
+namespace polyscalpel {
+
+/// Wall time spent in each stage of a step [s]; exactly 0 for a part that the scene does not build.
+struct StageTimes {
+  double detection_s = 0;  ///< contact detection, refitting of the collision surface
+  double contact_s = 0;    ///< contact forces and their matrix entries
+  double assembly_s = 0;   ///< rotations, stiffness, forces
+  double solve_s = 0;      ///< factorisation and solution
+  double cutting_s = 0;    ///< crossings and splits
+  double update_s = 0;     ///< matrices, pattern and surface after a cut
+  double total_s = 0;      ///< the whole step
+};
+
+/// A contact as it acted in a step.
+struct AppliedContact {
+  int tool = 0;
+  FaceId face;
+  Eigen::Vector3d point_world;           ///< [m]
+  Eigen::Vector3d force_on_tissue_world; ///< [N]
+  double gap_m = 0;                      ///< at the start of the step
+};
+
+/// A tool as it acted in a step.
+struct ToolReport {
+  Wrench wrench_tool;       ///< of the tissue on the tool (contact, friction, cutting resistance), in the tool's frame
+                            ///< at its origin
+  bool enabled = false;     ///< had a pose
+  bool reseated = false;    ///< jumped further than max_jump_m, or had no pose before
+  int pending_crossings = 0;
+};
+
+/// A change of topology, for the cut_events topic.
+struct CutEvent {
+  int tool = -1;  ///< -1: the cut service
+  CutResult result;
+};
+
+struct StepReport {
+  bool converged = true;          ///< false: the solver failed, the state is as before the step
+  std::string message;            ///< why, when not converged
+  double relative_residual = 0;   ///< |A dv - b| / |b| of the last solve
+  int solves = 0;
+  StageTimes times;
+  std::vector<ToolReport> tools;  ///< one a tool of the config
+  std::vector<AppliedContact> contacts;
+  std::vector<CutEvent> cuts;
+};
+
+/// A soft body, tools and their motion. Single-threaded: one thread may call it at a time.
+class Simulation {
+ public:
+  /// Reads or makes the mesh, builds what the scene asks for. Throws std::invalid_argument.
+  explicit Simulation(const SimulationConfig& config);
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+
+  /// One step of time_step_s. T_world_tool: for each tool its pose at the end of the step, or nothing where the tool is
+  /// not there. Throws std::invalid_argument for a wrong number of poses or one that is not finite.
+  StepReport step(const std::vector<std::optional<Eigen::Isometry3d>>& T_world_tool);
+
+  /// Cuts the body as it lies, at once. Throws std::invalid_argument for input that is no cut, or a scene without cutting.
+  CutResult cut(const CutOperation& operation);
+
+  /// Back to the rest mesh, uncut, at time 0, bit for bit.
+  void reset();
+
+  const SimulationConfig& config() const;
+  const PolyhedralMesh& mesh() const;
+  /// 3 x n, one column per vertex [m], world frame. Valid until the next step, cut or reset.
+  const Eigen::Matrix3Xd& positions() const;
+  /// 3 x n [m/s].
+  const Eigen::Matrix3Xd& velocities() const;
+  const Pieces& pieces() const;
+  const std::vector<bool>& fixedVertices() const;
+  /// Shape of a tool, or nullptr when it has none or the scene has no contact.
+  const ToolShape* toolShape(int tool) const;
+
+  std::int64_t stepCount() const;
+  double time_s() const;             ///< stepCount() * time_step_s
+  double restVolume_m3() const;      ///< of the mesh before any cut
+  int numCuts() const;               ///< cuts made since the start or the last reset
+  int cellsLeftWhole() const;        ///< summed over these cuts
+  double addedMass_kg() const;       ///< by the mass floor
+  double totalEnergy_j() const;      ///< kinetic + elastic + gravity
+  /// Names of the parts built for this scene, of "mesh", "elements", "dynamics", "statics", "contact", "cutting", "tools".
+  const std::vector<std::string>& parts() const;
+  /// What a user should know about the mesh file.
+  const std::vector<std::string>& remarks() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace polyscalpel

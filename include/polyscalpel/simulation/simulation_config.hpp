@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "polyscalpel/collision/contact_forces.hpp"
+#include "polyscalpel/collision/tool_shape.hpp"
+#include "polyscalpel/cutting/cut_mesh.hpp"
+#include "polyscalpel/elements/element_matrices.hpp"
+#include "polyscalpel/materials/isotropic_material.hpp"
+#include "polyscalpel/mesh/mesh_io.hpp"
+
+namespace polyscalpel {
+
+/// A box of cells made by our own generator.
+struct BoxMeshConfig {
+  Eigen::Vector3d lowest_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d size_m = Eigen::Vector3d::Constant(0.1);   ///< each > 0
+  Eigen::Vector3i counts = Eigen::Vector3i::Constant(3);     ///< cells an edge, each in [1, 200]
+  bool tetrahedra = false;                                   ///< five tets a cube instead of hexahedra
+};
+
+/// A ball of tets made by our own generator.
+struct BallMeshConfig {
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  double radius_m = 0.05;  ///< > 0
+  int half_count = 5;      ///< in [1, 40]: the ball has 5 (2 n)^3 tets
+};
+
+using MeshConfig = std::variant<BoxMeshConfig, BallMeshConfig, MeshFileConfig>;
+
+/// Vertices held at their rest positions.
+struct FixedBox {
+  Eigen::Vector3d lowest_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d highest_m = Eigen::Vector3d::Zero();  ///< each >= lowest; bounds belong to the box
+};
+struct FixedSphere {
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  double radius_m = 0;  ///< > 0
+};
+struct FixedVertices {
+  std::vector<int> vertices;  ///< ids in the uncut mesh
+};
+using FixedRegion = std::variant<FixedBox, FixedSphere, FixedVertices>;
+
+enum class AnalysisMode {
+  kDynamic,  ///< linearly implicit Euler
+  kStatic,   ///< linear static solution K u = F of the uncut or cut body under gravity; time does not act
+};
+
+struct IntegrationConfig {
+  AnalysisMode mode = AnalysisMode::kDynamic;
+  double time_step_s = 0.01;               ///< h, in [1e-6, 1]
+  double mass_damping_per_s = 0.1;         ///< Rayleigh: D = this * M + stiffness_damping_s * K; >= 0
+  double stiffness_damping_s = 0.01;       ///< >= 0
+  Eigen::Vector3d gravity_m_s2 = Eigen::Vector3d(0, 0, -9.81);
+  int contact_iterations = 3;              ///< in [1, 20]: solves a step, at most, to let go of contacts that would pull
+  double mass_floor = 0.02;                ///< in [0, 1]: lowest vertex mass as a part of the median rest mass
+};
+
+struct ToolConfig {
+  std::string name = "tool";              ///< a ROS name: letters, digits, _
+  std::optional<ShapeConfig> shape;       ///< none: no contact
+  std::optional<Eigen::Matrix3Xd> blade_edge_tool;  ///< 3 x k, k >= 2 [m]; none: does not cut
+  double max_jump_m = 0.05;               ///< > 0: a longer way of any part of the tool in one step re-seats the tool: no
+                                          ///< sweep, no contact force in that step
+};
+
+/// Everything a simulation is made from. A part that is not asked for is not built.
+struct SimulationConfig {
+  MeshConfig mesh;
+  IsotropicMaterial material;
+  ElementConfig element;
+  std::vector<FixedRegion> fixed;
+  IntegrationConfig integration;
+  std::optional<CuttingConfig> cutting;   ///< none: neither blades nor the cut service
+  std::optional<ContactConfig> contact;   ///< none: no collision surface, no contact forces
+  std::vector<ToolConfig> tools;
+};
+
+/// Throws std::invalid_argument with the field's path, value and range; also for two tools of one name, a blade without
+/// cutting, a static scene with contact, tools or nothing fixed.
+void validate(const SimulationConfig& config);
+
+}  // namespace polyscalpel

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/core/checks.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+#include <stdexcept>
+
+namespace polyscalpel {
+
+void failAssertion(const char* condition, const char* file, int line) {
+  std::fprintf(stderr, "%s:%d: invariant broken: %s\n", file, line, condition);
+  std::abort();
+}
+
+void requireInRange(const std::string& name, double value, double lowest, double highest) {
+  if (std::isfinite(value) && value >= lowest && value <= highest) return;
+  std::ostringstream message;
+  message << name << " = " << value << ": must be finite and in [" << lowest << ", " << highest << "]";
+  throw std::invalid_argument(message.str());
+}
+
+void requirePositive(const std::string& name, double value) {
+  if (std::isfinite(value) && value > 0) return;
+  std::ostringstream message;
+  message << name << " = " << value << ": must be finite and in (0, inf)";
+  throw std::invalid_argument(message.str());
+}
+
+void requireFinite(const std::string& name, const Eigen::Ref<const Eigen::MatrixXd>& value) {
+  if (value.allFinite()) return;
+  std::ostringstream message;
+  message << name << " = [" << value.reshaped().transpose() << "]: every component must be finite";
+  throw std::invalid_argument(message.str());
+}
+
+}  // namespace polyscalpel
