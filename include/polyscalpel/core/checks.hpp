@@ -21,8 +21,8 @@ void requireFinite(const std::string& name, const Eigen::Ref<const Eigen::Matrix
 
 }  // namespace polyscalpel
 
-/// A broken invariant of our own code: on in debug builds and in every test, free in release builds.
-#if !defined(NDEBUG) || defined(POLYSCALPEL_ENABLE_ASSERTS)
+/// A broken invariant of our own code. On in every build, tests included, unless POLYSCALPEL_DISABLE_ASSERTS is defined.
+#ifndef POLYSCALPEL_DISABLE_ASSERTS
 #define POLYSCALPEL_ASSERT(condition) \
   ((condition) ? static_cast<void>(0) : ::polyscalpel::failAssertion(#condition, __FILE__, __LINE__))
 #else
