@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "polyscalpel/mesh/mesh_change.hpp"
+#include "polyscalpel/mesh/polyhedral_mesh.hpp"
+
+namespace polyscalpel {
+
+/// One transaction on a mesh: elementary edits, each of which keeps it conforming, written to a journal. What is not
+/// committed is undone when the editor goes, so a cut is made whole or not at all.
+class MeshEditor {
+ public:
+  /// The mesh must outlive the editor; one editor a mesh at a time.
+  explicit MeshEditor(PolyhedralMesh& mesh);
+  ~MeshEditor();
+  MeshEditor(const MeshEditor&) = delete;
+  MeshEditor& operator=(const MeshEditor&) = delete;
+
+  const PolyhedralMesh& mesh() const { return mesh_; }
+
+  /// A place in the journal to which edits can be undone.
+  std::size_t savepoint() const { return journal_.size(); }
+  void rollBackTo(std::size_t savepoint);
+
+  /// Puts a vertex at (1 - weight) a + weight b on the edge a-b of every face that has it, weight in (0, 1).
+  VertexId splitEdge(VertexId a, VertexId b, double weight);
+
+  /// Divides a face by the chord from a to b, two vertices of its loop that are not adjacent there. Both cells get both
+  /// parts. Returns the part with the loop a ... b first.
+  std::pair<FaceId, FaceId> splitFace(FaceId face, VertexId a, VertexId b);
+
+  /// Divides a cell by a new face, the cap, shared by both parts. first_faces: the faces of the first part; cap_loop:
+  /// counter-clockwise seen from outside the first part. Returns first part, second part, cap.
+  struct SplitCell {
+    CellId first, second;
+    FaceId cap;
+  };
+  SplitCell splitCell(CellId cell, const std::vector<FaceId>& first_faces, const std::vector<VertexId>& cap_loop,
+                      int cut);
+
+  /// Turns a face between two cells into two boundary faces in the same place, marked with the cut's number.
+  void openFace(FaceId face, int cut);
+
+  /// Where the cells around a vertex are no longer joined through closed faces, gives each part but the one with the
+  /// smallest cell id a copy of the vertex.
+  void separateVertex(VertexId vertex);
+
+  /// Vertices made since the editor was made, ascending.
+  const std::vector<NewVertex>& newVertices() const { return new_vertices_; }
+
+  /// Ends the transaction and keeps its edits. The editor may not be used afterwards.
+  MeshChange commit();
+
+ private:
+  struct OldFace {
+    FaceId id;
+    std::optional<Face> face;  ///< nothing: the face did not exist
+  };
+  struct OldCell {
+    CellId id;
+    std::optional<Cell> cell;
+    CellId parent;  ///< for a new cell: the cell before the transaction that it is a part of
+  };
+  struct OldVertexFaces {
+    VertexId id;
+    std::vector<FaceId> faces;
+  };
+  struct AddedVertex {};
+  using Undo = std::variant<OldFace, OldCell, OldVertexFaces, AddedVertex>;
+
+  Face& touchFace(FaceId id);
+  Cell& touchCell(CellId id);
+  std::vector<FaceId>& touchVertexFaces(VertexId id);
+  FaceId addFace(Face face);
+  CellId addCell(CellId former, std::vector<FaceId> faces);
+  VertexId addVertex(const NewVertex& origin);
+  void removeFace(FaceId id);
+  void refreshVertices(CellId id);
+  CellId rootOf(CellId id) const;
+
+  PolyhedralMesh& mesh_;
+  std::vector<Undo> journal_;
+  std::vector<NewVertex> new_vertices_;
+  std::vector<CellId> parents_;  ///< of the cells from first_new_cell_ on
+  int first_new_cell_ = 0;
+};
+
+/// Index of a vertex in a face's loop, -1 where it is not in it.
+int findInLoop(const Face& face, VertexId vertex);
+
+/// Whether the face has the edge a-b.
+bool hasEdge(const Face& face, VertexId a, VertexId b);
+
+/// Cells that have the edge a-b, ascending; empty where there is no such edge.
+std::vector<CellId> cellsAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b);
+
+/// Cells that have the vertex, ascending.
+std::vector<CellId> cellsAround(const PolyhedralMesh& mesh, VertexId vertex);
+
+}  // namespace polyscalpel

@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/mesh/mesh_editing.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "polyscalpel/core/checks.hpp"
+
+namespace polyscalpel {
+namespace {
+
+template <class T>
+void sortUnique(std::vector<T>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+void eraseValue(std::vector<FaceId>& faces, FaceId id) {
+  const auto place = std::find(faces.begin(), faces.end(), id);
+  POLYSCALPEL_ASSERT(place != faces.end());
+  faces.erase(place);
+}
+
+/// Numbers the components of n things joined by pairs.
+class DisjointSets {
+ public:
+  explicit DisjointSets(int count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0); }
+  int find(int i) {
+    while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
+    return i;
+  }
+  void join(int i, int j) {
+    i = find(i);
+    j = find(j);
+    parents_[std::max(i, j)] = std::min(i, j);  // the representative is the smallest
+  }
+
+ private:
+  std::vector<int> parents_;
+};
+
+}  // namespace
+
+int findInLoop(const Face& face, VertexId vertex) {
+  const auto place = std::find(face.loop.begin(), face.loop.end(), vertex);
+  return place == face.loop.end() ? -1 : static_cast<int>(place - face.loop.begin());
+}
+
+bool hasEdge(const Face& face, VertexId a, VertexId b) {
+  const int i = findInLoop(face, a);
+  if (i < 0) return false;
+  const std::size_t n = face.loop.size();
+  return face.loop[(i + 1) % n] == b || face.loop[(i + n - 1) % n] == b;
+}
+
+std::vector<CellId> cellsAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
+  std::vector<CellId> cells;
+  for (const FaceId id : mesh.facesAround(a)) {
+    const Face& face = mesh.face(id);
+    if (!hasEdge(face, a, b)) continue;
+    for (const CellId cell : face.cells) {
+      if (cell.isValid()) cells.push_back(cell);
+    }
+  }
+  sortUnique(cells);
+  return cells;
+}
+
+std::vector<CellId> cellsAround(const PolyhedralMesh& mesh, VertexId vertex) {
+  std::vector<CellId> cells;
+  for (const FaceId id : mesh.facesAround(vertex)) {
+    for (const CellId cell : mesh.face(id).cells) {
+      if (cell.isValid()) cells.push_back(cell);
+    }
+  }
+  sortUnique(cells);
+  return cells;
+}
+
+MeshEditor::MeshEditor(PolyhedralMesh& mesh) : mesh_(mesh), first_new_cell_(mesh.cellCapacity()) {}
+
+MeshEditor::~MeshEditor() { rollBackTo(0); }
+
+void MeshEditor::rollBackTo(std::size_t savepoint) {
+  while (journal_.size() > savepoint) {
+    Undo& undo = journal_.back();
+    if (auto* old_face = std::get_if<OldFace>(&undo)) {
+      if (old_face->face) {
+        mesh_.faces_[old_face->id.index()] = std::move(*old_face->face);
+      } else {
+        mesh_.faces_.pop_back();
+      }
+    } else if (auto* old_cell = std::get_if<OldCell>(&undo)) {
+      if (old_cell->cell) {
+        mesh_.num_cells_ += old_cell->cell->isAlive() - mesh_.cells_[old_cell->id.index()].isAlive();
+        mesh_.cells_[old_cell->id.index()] = std::move(*old_cell->cell);
+      } else {
+        mesh_.num_cells_ -= mesh_.cells_.back().isAlive();
+        mesh_.cells_.pop_back();
+        parents_.pop_back();
+      }
+    } else if (auto* old_faces = std::get_if<OldVertexFaces>(&undo)) {
+      mesh_.vertex_faces_[old_faces->id.index()] = std::move(old_faces->faces);
+    } else {
+      mesh_.rest_positions_.pop_back();
+      mesh_.local_sizes_.pop_back();
+      mesh_.vertex_faces_.pop_back();
+      new_vertices_.pop_back();
+    }
+    journal_.pop_back();
+  }
+}
+
+Face& MeshEditor::touchFace(FaceId id) {
+  journal_.push_back(OldFace{id, mesh_.faces_[id.index()]});
+  return mesh_.faces_[id.index()];
+}
+
+Cell& MeshEditor::touchCell(CellId id) {
+  journal_.push_back(OldCell{id, mesh_.cells_[id.index()], CellId()});
+  return mesh_.cells_[id.index()];
+}
+
+std::vector<FaceId>& MeshEditor::touchVertexFaces(VertexId id) {
+  journal_.push_back(OldVertexFaces{id, mesh_.vertex_faces_[id.index()]});
+  return mesh_.vertex_faces_[id.index()];
+}
+
+FaceId MeshEditor::addFace(Face face) {
+  const FaceId id(mesh_.faces_.size());
+  for (const VertexId vertex : face.loop) touchVertexFaces(vertex).push_back(id);
+  journal_.push_back(OldFace{id, std::nullopt});
+  mesh_.faces_.push_back(std::move(face));
+  return id;
+}
+
+void MeshEditor::removeFace(FaceId id) {
+  Face& face = touchFace(id);
+  for (const VertexId vertex : face.loop) eraseValue(touchVertexFaces(vertex), id);
+  face = Face{};
+}
+
+CellId MeshEditor::addCell(CellId former, std::vector<FaceId> faces) {
+  const CellId id(mesh_.cells_.size());
+  Cell cell;
+  cell.faces = std::move(faces);
+  cell.region = mesh_.cell(former).region;
+  journal_.push_back(OldCell{id, std::nullopt, CellId()});
+  mesh_.cells_.push_back(std::move(cell));
+  ++mesh_.num_cells_;
+  parents_.push_back(former);
+  return id;
+}
+
+VertexId MeshEditor::addVertex(const NewVertex& origin) {
+  const VertexId a = origin.parents[0], b = origin.parents[1];
+  const Eigen::Vector3d position =
+      a == b ? mesh_.restPosition(a)
+             : Eigen::Vector3d((1 - origin.weight) * mesh_.restPosition(a) + origin.weight * mesh_.restPosition(b));
+  const double size = std::min(mesh_.localSize(a), mesh_.localSize(b));
+  journal_.push_back(AddedVertex{});
+  mesh_.rest_positions_.push_back(position);
+  mesh_.local_sizes_.push_back(size);
+  mesh_.vertex_faces_.emplace_back();
+  new_vertices_.push_back(origin);
+  return origin.vertex;
+}
+
+void MeshEditor::refreshVertices(CellId id) {
+  Cell& cell = mesh_.cells_[id.index()];
+  cell.vertices.clear();
+  for (const FaceId face : cell.faces) {
+    const auto& loop = mesh_.face(face).loop;
+    cell.vertices.insert(cell.vertices.end(), loop.begin(), loop.end());
+  }
+  sortUnique(cell.vertices);
+}
+
+VertexId MeshEditor::splitEdge(VertexId a, VertexId b, double weight) {
+  POLYSCALPEL_ASSERT(weight > 0 && weight < 1);
+  std::vector<FaceId> faces;
+  for (const FaceId id : mesh_.facesAround(a)) {
+    if (hasEdge(mesh_.face(id), a, b)) faces.push_back(id);
+  }
+  POLYSCALPEL_ASSERT(faces.size() >= 2);
+  const std::vector<CellId> cells = cellsAroundEdge(mesh_, a, b);
+
+  const VertexId middle = addVertex({VertexId(mesh_.rest_positions_.size()), {a, b}, weight});
+  for (const FaceId id : faces) {
+    Face& face = touchFace(id);
+    const int i = findInLoop(face, a);
+    const std::size_t n = face.loop.size();
+    const std::size_t place = face.loop[(i + 1) % n] == b ? i + 1 : i;
+    face.loop.insert(face.loop.begin() + place, middle);
+    face.is_corner.insert(face.is_corner.begin() + place, char(0));
+  }
+  touchVertexFaces(middle) = faces;
+  for (const CellId id : cells) {
+    // Larger than every id before it, so the order stays ascending.
+    touchCell(id).vertices.push_back(middle);
+  }
+  return middle;
+}
+
+std::pair<FaceId, FaceId> MeshEditor::splitFace(FaceId id, VertexId a, VertexId b) {
+  const Face old = mesh_.face(id);
+  const std::size_t n = old.loop.size();
+  const auto part = [&](VertexId from, VertexId to) {
+    Face face;
+    face.cells = old.cells;
+    face.cut = old.cut;
+    for (std::size_t i = findInLoop(old, from);; ++i) {
+      face.loop.push_back(old.loop[i % n]);
+      if (old.loop[i % n] == to) break;
+    }
+    POLYSCALPEL_ASSERT(face.loop.size() >= 3);
+    face.is_corner.assign(face.loop.size(), char(1));
+    return face;
+  };
+  Face first = part(a, b), second = part(b, a);
+  removeFace(id);
+  const FaceId first_id = addFace(std::move(first)), second_id = addFace(std::move(second));
+  for (const CellId cell_id : old.cells) {
+    if (!cell_id.isValid()) continue;
+    Cell& cell = touchCell(cell_id);
+    eraseValue(cell.faces, id);
+    cell.faces.push_back(first_id);
+    cell.faces.push_back(second_id);
+  }
+  return {first_id, second_id};
+}
+
+MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceId>& first_faces,
+                                            const std::vector<VertexId>& cap_loop, int cut) {
+  std::vector<FaceId> second_faces;
+  for (const FaceId face : mesh_.cell(cell).faces) {
+    if (std::find(first_faces.begin(), first_faces.end(), face) == first_faces.end()) second_faces.push_back(face);
+  }
+  POLYSCALPEL_ASSERT(!first_faces.empty() && !second_faces.empty());
+  SplitCell split;
+  split.first = addCell(cell, first_faces);
+  split.second = addCell(cell, second_faces);
+  Face cap;
+  cap.loop = cap_loop;
+  cap.is_corner.assign(cap_loop.size(), char(1));
+  cap.cells = {split.first, split.second};
+  cap.cut = cut;
+  split.cap = addFace(std::move(cap));
+
+  for (const auto& [part, faces] : {std::make_pair(split.first, &first_faces),
+                                    std::make_pair(split.second, static_cast<const std::vector<FaceId>*>(&second_faces))}) {
+    for (const FaceId id : *faces) {
+      Face& face = touchFace(id);
+      face.cells[face.cells[0] == cell ? 0 : 1] = part;
+    }
+    mesh_.cells_[part.index()].faces.push_back(split.cap);
+    refreshVertices(part);
+  }
+  touchCell(cell) = Cell{};
+  --mesh_.num_cells_;
+  return split;
+}
+
+void MeshEditor::openFace(FaceId id, int cut) {
+  POLYSCALPEL_ASSERT(!mesh_.face(id).isBoundary());
+  Face& front = touchFace(id);
+  Face back;
+  back.loop.assign(front.loop.rbegin(), front.loop.rend());
+  back.is_corner.assign(front.is_corner.rbegin(), front.is_corner.rend());
+  back.cells[0] = front.cells[1];
+  back.cut = front.cut = cut;
+  front.cells[1] = CellId();
+  const CellId behind = back.cells[0];
+  const FaceId back_id = addFace(std::move(back));
+  touchCell(mesh_.face(id).cells[0]);  // its neighbourhood changed
+  Cell& cell = touchCell(behind);
+  eraseValue(cell.faces, id);
+  cell.faces.push_back(back_id);
+}
+
+void MeshEditor::separateVertex(VertexId vertex) {
+  const std::vector<CellId> cells = cellsAround(mesh_, vertex);
+  const auto indexOf = [&](CellId id) {
+    return static_cast<int>(std::lower_bound(cells.begin(), cells.end(), id) - cells.begin());
+  };
+  DisjointSets fans(static_cast<int>(cells.size()));
+  for (const FaceId id : mesh_.facesAround(vertex)) {
+    const Face& face = mesh_.face(id);
+    if (!face.isBoundary()) fans.join(indexOf(face.cells[0]), indexOf(face.cells[1]));
+  }
+  for (int fan = 1; fan < static_cast<int>(cells.size()); ++fan) {
+    if (fans.find(fan) != fan) continue;
+    const VertexId copy = addVertex({VertexId(mesh_.rest_positions_.size()), {vertex, vertex}, 0});
+    std::vector<FaceId> moved, kept;
+    for (const FaceId id : mesh_.facesAround(vertex)) {
+      (fans.find(indexOf(mesh_.face(id).cells[0])) == fan ? moved : kept).push_back(id);
+    }
+    for (const FaceId id : moved) {
+      Face& face = touchFace(id);
+      face.loop[findInLoop(face, vertex)] = copy;
+    }
+    touchVertexFaces(vertex) = kept;
+    touchVertexFaces(copy) = moved;
+    for (int i = 0; i < static_cast<int>(cells.size()); ++i) {
+      if (fans.find(i) != fan) continue;
+      auto& vertices = touchCell(cells[i]).vertices;
+      vertices.erase(std::find(vertices.begin(), vertices.end(), vertex));
+      vertices.push_back(copy);
+    }
+  }
+}
+
+CellId MeshEditor::rootOf(CellId id) const {
+  while (id.index() >= first_new_cell_) id = parents_[id.index() - first_new_cell_];
+  return id;
+}
+
+MeshChange MeshEditor::commit() {
+  MeshChange change;
+  change.new_vertices = new_vertices_;
+  std::vector<CellId> cells;
+  for (const Undo& undo : journal_) {
+    if (const auto* old_cell = std::get_if<OldCell>(&undo)) cells.push_back(old_cell->id);
+    if (const auto* old_face = std::get_if<OldFace>(&undo)) change.changed_faces.push_back(old_face->id);
+  }
+  sortUnique(cells);
+  sortUnique(change.changed_faces);
+  for (const CellId id : cells) {
+    const bool alive = mesh_.cell(id).isAlive();
+    if (id.index() >= first_new_cell_) {
+      if (alive) change.new_cells.push_back({id, rootOf(id)});
+    } else if (alive) {
+      change.changed_cells.push_back(id);
+    } else {
+      change.removed_cells.push_back(id);
+    }
+  }
+  journal_.clear();
+  new_vertices_.clear();
+  parents_.clear();
+  first_new_cell_ = mesh_.cellCapacity();
+  return change;
+}
+
+}  // namespace polyscalpel
