@@ -36,46 +36,62 @@ void requireValidPoints(const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
   }
 }
 
-/// A cell is one closed polyhedron without handles: each directed edge meets its reverse once, and the
-/// surface has the Euler number of the ball.
-void requireClosed(int cell, const PolyhedralMesh::CellLoops& loops, int num_points) {
-  if (loops.size() < 4)
-    refuseCell(cell, std::to_string(loops.size()) + " faces: a closed cell has at least 4");
-  std::vector<DirectedEdge> edges;
-  Loop vertices;
-  for (const Loop& loop : loops) {
-    if (loop.size() < 3) refuseCell(cell, "face " + toText(loop) + " has fewer than 3 vertices");
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      if (loop[i] < 0 || loop[i] >= num_points) {
-        refuseCell(cell, "point index " + std::to_string(loop[i]) + ": must be in [0, " +
-                             std::to_string(num_points - 1) + "]");
+/// Refuses cells that are not one closed polyhedron without handles: each directed edge of the loops meets
+/// its reverse once, and the surface has the Euler number of the ball. Keeps its memory from cell to cell.
+class CellRefuser {
+ public:
+  explicit CellRefuser(int num_points) : num_points_(num_points) {}
+
+  void requireValid(int cell, const PolyhedralMesh::CellLoops& loops) {
+    if (loops.size() < 4)
+      refuseCell(cell, std::to_string(loops.size()) + " faces: a closed cell has at least 4");
+    edges_.clear();
+    vertices_.clear();
+    for (const Loop& loop : loops) addLoop(cell, loop);
+
+    std::sort(edges_.begin(), edges_.end());
+    const auto twice = std::adjacent_find(edges_.begin(), edges_.end());
+    if (twice != edges_.end()) {
+      refuseCell(cell, "edge " + toText({twice->first, twice->second}) +
+                           " occurs twice in the same direction: the faces are not oriented alike");
+    }
+    for (const DirectedEdge& edge : edges_) {
+      if (!std::binary_search(edges_.begin(), edges_.end(), DirectedEdge(edge.second, edge.first))) {
+        refuseCell(cell, "open at edge " + toText({edge.first, edge.second}));
       }
-      edges.emplace_back(loop[i], loop[(i + 1) % loop.size()]);
-      vertices.push_back(loop[i]);
     }
-    Loop sorted = loop;
-    std::sort(sorted.begin(), sorted.end());
-    if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) {
-      refuseCell(cell, "face " + toText(loop) + " has a vertex twice");
+    if (countDistinct(vertices_) + loops.size() != edges_.size() / 2 + 2) {
+      refuseCell(cell, "its faces do not form one closed polyhedron");
     }
   }
-  std::sort(edges.begin(), edges.end());
-  const auto twice = std::adjacent_find(edges.begin(), edges.end());
-  if (twice != edges.end()) {
-    refuseCell(cell, "edge " + toText({twice->first, twice->second}) +
-                         " occurs twice in the same direction: the faces are not oriented alike");
-  }
-  for (const DirectedEdge& edge : edges) {
-    if (!std::binary_search(edges.begin(), edges.end(), DirectedEdge(edge.second, edge.first))) {
-      refuseCell(cell, "open at edge " + toText({edge.first, edge.second}));
+
+ private:
+  void addLoop(int cell, const Loop& loop) {
+    if (loop.size() < 3) refuseCell(cell, "face " + toText(loop) + " has fewer than 3 vertices");
+    int start = loop.back();
+    for (const int end : loop) {
+      if (end < 0 || end >= num_points_) {
+        refuseCell(cell, "point index " + std::to_string(end) + ": must be in [0, " +
+                             std::to_string(num_points_ - 1) + "]");
+      }
+      edges_.emplace_back(start, end);
+      vertices_.push_back(end);
+      start = end;
     }
+    loop_ = loop;
+    if (countDistinct(loop_) != loop.size()) refuseCell(cell, "face " + toText(loop) + " has a vertex twice");
   }
-  std::sort(vertices.begin(), vertices.end());
-  const auto num_vertices = std::unique(vertices.begin(), vertices.end()) - vertices.begin();
-  const auto euler = num_vertices - static_cast<std::ptrdiff_t>(edges.size() / 2) +
-                     static_cast<std::ptrdiff_t>(loops.size());
-  if (euler != 2) refuseCell(cell, "its faces do not form one closed polyhedron");
-}
+
+  static std::size_t countDistinct(Loop& vertices) {
+    std::sort(vertices.begin(), vertices.end());
+    return std::unique(vertices.begin(), vertices.end()) - vertices.begin();
+  }
+
+  int num_points_;
+  std::vector<DirectedEdge> edges_;
+  Loop vertices_;
+  Loop loop_;
+};
 
 /// Joins the faces of cells that have the same vertices.
 class FaceJoiner {
@@ -89,14 +105,13 @@ class FaceJoiner {
       Face& face = faces_[id.index()];
       if (!hasSameVertices(face.loop, loop)) continue;
       const int other = face.cells[0].index();
-      const std::string name = "face " + toText(loop);
-      if (other == cell) refuseCell(cell, name + " occurs twice in it");
+      if (other == cell) refuseCell(cell, "face " + toText(loop) + " occurs twice in it");
       if (!face.isBoundary()) {
-        refuseCell(cell, name + " belongs already to cells " + std::to_string(other) + " and " +
-                             std::to_string(face.cells[1].index()));
+        refuseCell(cell, "face " + toText(loop) + " belongs already to cells " + std::to_string(other) +
+                             " and " + std::to_string(face.cells[1].index()));
       }
       if (!isReverse(face.loop, loop)) {
-        refuseCell(cell, name + " has not the reverse orientation that it must have to cell " +
+        refuseCell(cell, "face " + toText(loop) + " is not the reverse of the same face in cell " +
                              std::to_string(other));
       }
       face.cells[1] = CellId(cell);
@@ -225,11 +240,13 @@ PolyhedralMesh::PolyhedralMesh(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
   const int num_points = static_cast<int>(points.cols());
   cells_.resize(cells.size());
   num_cells_ = static_cast<int>(cells.size());
+  CellRefuser refuser(num_points);
   FaceJoiner joiner(faces_, num_points);
   for (int c = 0; c < num_cells_; ++c) {
-    requireClosed(c, cells[c], num_points);
+    refuser.requireValid(c, cells[c]);
     Cell& cell = cells_[c];
     if (!regions.empty()) cell.region = regions[c];
+    cell.faces.reserve(cells[c].size());
     for (const Loop& loop : cells[c]) {
       cell.faces.push_back(joiner.join(c, loop));
       for (const int vertex : loop) cell.vertices.emplace_back(vertex);
