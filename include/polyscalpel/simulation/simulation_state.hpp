@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "polyscalpel/mesh/mesh_change.hpp"
+#include "polyscalpel/mesh/polyhedral_mesh.hpp"
+#include "polyscalpel/simulation/simulation_config.hpp"
+
+namespace polyscalpel {
+
+/// Motion of a body at one time. One column or flag per vertex.
+struct SimulationState {
+  Eigen::Matrix3Xd positions;   ///< 3 x n [m], world frame
+  Eigen::Matrix3Xd velocities;  ///< 3 x n [m/s]
+  std::vector<bool> fixed;      ///< held where it is; its velocity is zero
+};
+
+/// At rest in the rest shape. Throws std::invalid_argument for a region that holds no vertex, or an id out of
+/// range.
+SimulationState makeRestState(const PolyhedralMesh& mesh, const std::vector<FixedRegion>& fixed);
+
+/// Appends a column for each new vertex: (1 - weight) values(parents[0]) + weight values(parents[1]), in
+/// their order, so that a parent may itself be new.
+void appendNewVertices(Eigen::Matrix3Xd& values, const MeshChange& change);
+
+/// Follows a change of the mesh. A new vertex is fixed if both its parents are.
+void applyMeshChange(SimulationState& state, const MeshChange& change);
+
+}  // namespace polyscalpel

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "polyscalpel/collision/contact_forces.hpp"
+#include "polyscalpel/elements/assembly.hpp"
+#include "polyscalpel/simulation/simulation_config.hpp"
+#include "polyscalpel/simulation/simulation_state.hpp"
+#include "polyscalpel/solver/direct_solver.hpp"
+
+namespace polyscalpel {
+
+/// What one step did.
+struct IntegrationResult {
+  SolveStatus status = SolveStatus::kSolved;
+  double relative_residual = 0;  ///< of the last solve
+  int solves = 0;
+  /// Force on the tissue of each contact handed in [N]; zero for one that was let go.
+  std::vector<Eigen::Vector3d> contact_forces;
+  double assembly_s = 0;  ///< wall time, as in StageTimes
+  double contact_s = 0;
+  double solve_s = 0;
+};
+
+/// Linearly implicit Euler, the one-Newton-step backward Euler of D. Baraff, A. Witkin, "Large Steps in Cloth
+/// Simulation", SIGGRAPH 1998, equation 6, with Rayleigh damping D = a M + b K and contacts:
+///
+///   (M + h D + h^2 K + sum h J^T B J) dv = h (f_ext - f_int(x) - D v - h K v + sum J^T (f_0 - B J v)),
+///   v += dv,  x += h v,
+///
+/// J taking the vertices' velocities to a contact point's. Without corotation and contacts the matrix stays
+/// the same and is factored once.
+class ImplicitEuler {
+ public:
+  /// config: valid. The object keeps what belongs to one pattern and one set of fixed vertices; see
+  /// restart().
+  explicit ImplicitEuler(const IntegrationConfig& config) : config_(config) {}
+
+  /// To be called before the first step and whenever the pattern or the fixed vertices have changed.
+  void restart() { is_analysed_ = false; }
+
+  /// One step. Vertices of a contact belong to one face. Contacts whose solved force pulls (normal . force <
+  /// 0) are let go and the step is solved again, IntegrationConfig::contact_iterations solves at most; one
+  /// that still pulls then acts as solved. The state is as it was unless the status is kSolved. Changes the
+  /// assembly's rotations only.
+  IntegrationResult step(SimulationState& state, Assembly& assembly,
+                         const std::vector<LinearisedContact>& contacts);
+
+ private:
+  void prepareSystem(const SimulationState& state, Assembly& assembly, bool matrix_stands);
+  void addContact(const LinearisedContact& contact, const SimulationState& state, const BlockPattern& pattern,
+                  Blocks& matrix, Eigen::Matrix3Xd& rhs) const;
+
+  IntegrationConfig config_;
+  DirectSolver solver_;
+  bool is_analysed_ = false;
+  bool factor_is_plain_ = false;  // the factor is that of the matrix without contacts
+
+  // System without contacts, and with them; kept to allocate once.
+  Blocks matrix_, contact_matrix_;
+  Eigen::Matrix3Xd rhs_, contact_rhs_;
+  Eigen::Matrix3Xd work_, forces_, dv_;
+};
+
+}  // namespace polyscalpel

@@ -1,0 +1,443 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/simulation/simulation.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "polyscalpel/collision/contact_detection.hpp"
+#include "polyscalpel/core/checks.hpp"
+#include "polyscalpel/core/stage_timer.hpp"
+#include "polyscalpel/elements/assembly.hpp"
+#include "polyscalpel/mesh/mesh_generation.hpp"
+#include "polyscalpel/mesh/surface.hpp"
+#include "polyscalpel/simulation/simulation_state.hpp"
+#include "polyscalpel/simulation/static_solution.hpp"
+#include "polyscalpel/simulation/time_integration.hpp"
+
+namespace polyscalpel {
+
+namespace {
+
+using ToolPoses = std::vector<std::optional<Eigen::Isometry3d>>;
+
+struct MeshMaker {
+  MeshFile operator()(const BoxMeshConfig& box) const {
+    return {box.tetrahedra ? makeTetBox(box.lowest_m, box.size_m, box.counts)
+                           : makeHexBox(box.lowest_m, box.size_m, box.counts),
+            {}};
+  }
+  MeshFile operator()(const BallMeshConfig& ball) const {
+    return {makeTetBall(ball.centre_m, ball.radius_m, ball.half_count), {}};
+  }
+  MeshFile operator()(const MeshFileConfig& file) const { return readMesh(file); }
+};
+
+struct Sphere {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // in the tool's frame [m]
+  double radius = 0;
+};
+
+Sphere boundingSphere(const Eigen::Matrix3Xd& points) {
+  Sphere sphere;
+  if (points.cols() == 0) return sphere;
+  sphere.centre = (points.rowwise().minCoeff() + points.rowwise().maxCoeff()) / 2;
+  sphere.radius = (points.colwise() - sphere.centre).colwise().norm().maxCoeff();
+  return sphere;
+}
+
+struct Tool {
+  std::optional<ToolShape> shape;  // where the scene has contact
+  Sphere bounds;                   // of the shape; a point at the origin without
+  std::optional<BladeCut> blade;
+  std::optional<Eigen::Isometry3d> T_world_tool;  // at the end of the last step
+};
+
+// Longest way of any part of the tool: its origin, its blade, its shape's bounding sphere.
+double longestWay(const Tool& tool, const ToolConfig& config, const Eigen::Isometry3d& T_start,
+                  const Eigen::Isometry3d& T_end) {
+  const auto way = [&](const Eigen::Vector3d& point) { return (T_end * point - T_start * point).norm(); };
+  double longest = way(Eigen::Vector3d::Zero());
+  if (config.blade_edge_tool) {
+    for (Eigen::Index i = 0; i < config.blade_edge_tool->cols(); ++i) {
+      longest = std::max(longest, way(config.blade_edge_tool->col(i)));
+    }
+  }
+  const Eigen::Matrix3d turn = T_end.linear() - T_start.linear();  // its norm on vectors is 2 sin(angle / 2)
+  return std::max(longest, way(tool.bounds.centre) + tool.bounds.radius * turn.norm() / std::sqrt(2.0));
+}
+
+void requirePose(std::size_t tool, const Eigen::Isometry3d& pose) {
+  const std::string name = "T_world_tool[" + std::to_string(tool) + "]";
+  requireFinite(name, pose.matrix());
+  constexpr double kOrthonormal = 1e-6;
+  const Eigen::Matrix3d R = pose.linear();
+  if ((R.transpose() * R - Eigen::Matrix3d::Identity()).norm() > kOrthonormal || R.determinant() < 0) {
+    throw std::invalid_argument(name + ": its linear part must be a rotation to within 1e-6");
+  }
+}
+
+double pointEnergy(const Eigen::Matrix3Xd& momenta, const SimulationState& state,
+                   const Eigen::VectorXd& masses, const Eigen::Vector3d& gravity) {
+  double energy = 0;
+  for (Eigen::Index i = 0; i < momenta.cols(); ++i) {
+    energy +=
+        0.5 * momenta.col(i).dot(state.velocities.col(i)) - masses[i] * gravity.dot(state.positions.col(i));
+  }
+  return energy;
+}
+
+}  // namespace
+
+struct Simulation::Impl {
+  SimulationConfig config;
+  std::vector<std::string> parts, remarks;
+  std::vector<Tool> tools;
+
+  // As made; reset() copies them back.
+  PolyhedralMesh pristine_mesh;
+  SimulationState pristine_state;
+  std::optional<Assembly> pristine_assembly;
+  double rest_volume = 0;
+
+  PolyhedralMesh mesh;
+  SimulationState state;
+  std::optional<Assembly> assembly;
+  std::optional<ImplicitEuler> integrator;  // dynamic scenes
+  std::optional<TissueSurface> surface;     // scenes with contact
+  Pieces pieces;
+  std::int64_t step_count = 0;
+  int num_cuts = 0;
+  int cells_left_whole = 0;
+  bool static_solution_stands = false;
+  double static_residual = 0;
+
+  explicit Impl(const SimulationConfig& given) : config(given) {
+    validate(config);
+    MeshFile file = std::visit(MeshMaker{}, config.mesh);
+    remarks = std::move(file.remarks);
+    pristine_mesh = std::move(file.mesh);
+    rest_volume = volume(pristine_mesh, pristine_mesh.restPositions());
+    pristine_state = makeRestState(pristine_mesh, config.fixed);
+    pristine_assembly.emplace(pristine_mesh, config.material, config.element, config.integration.mass_floor);
+    parts = {"mesh", "elements", isDynamic() ? "dynamics" : "statics"};
+    bool has_shape = false;
+    for (const ToolConfig& tool_config : config.tools) {
+      Tool tool;
+      if (config.contact && tool_config.shape) {
+        tool.shape.emplace(*tool_config.shape);
+        tool.bounds = boundingSphere(tool.shape->triangles());
+        has_shape = true;
+      }
+      tools.push_back(std::move(tool));
+    }
+    if (has_shape) parts.push_back("contact");
+    if (config.cutting) parts.push_back("cutting");
+    if (!tools.empty()) parts.push_back("tools");
+    reset();
+  }
+
+  bool isDynamic() const { return config.integration.mode == AnalysisMode::kDynamic; }
+  bool hasContact() const { return std::find(parts.begin(), parts.end(), "contact") != parts.end(); }
+
+  void reset() {
+    mesh = pristine_mesh;
+    state = pristine_state;
+    assembly = pristine_assembly;
+    pieces = findPieces(mesh);
+    step_count = 0;
+    num_cuts = 0;
+    cells_left_whole = 0;
+    static_solution_stands = false;
+    if (isDynamic()) integrator.emplace(config.integration);
+    if (hasContact()) surface.emplace(mesh, state.positions);
+    for (std::size_t i = 0; i < tools.size(); ++i) {
+      tools[i].T_world_tool.reset();
+      if (config.tools[i].blade_edge_tool)
+        tools[i].blade.emplace(*config.tools[i].blade_edge_tool, *config.cutting);
+    }
+  }
+
+  std::vector<LinearisedContact> findContacts(const ToolPoses& T_end, StepReport& report);
+  void applyContactForces(const std::vector<LinearisedContact>& contacts,
+                          const std::vector<Eigen::Vector3d>& forces, const ToolPoses& T_end,
+                          StepReport& report);
+  void moveBlades(const ToolPoses& T_end, Eigen::Matrix3Xd& positions_start, StepReport& report);
+  void commit(int tool, CutResult result, Eigen::Matrix3Xd* positions_start, StepReport& report);
+  void followCut(int tool, const CutResult& result);
+  Eigen::Vector3d cuttingResistance(int tool, const CutResult& result,
+                                    const Eigen::Matrix3Xd& positions_start, const Eigen::Isometry3d& T_start,
+                                    const Eigen::Isometry3d& T_end) const;
+  Eigen::Vector3d bladeMiddle(int tool) const { return config.tools[tool].blade_edge_tool->rowwise().mean(); }
+  bool stepDynamic(const ToolPoses& T_end, StepReport& report);
+  bool stepStatic(StepReport& report);
+};
+
+// Contacts at the current positions with the tools where they will be at the end of the step, linearised. The
+// tool's material point under a contact moves with the rigid motion from the tool's start to its end.
+std::vector<LinearisedContact> Simulation::Impl::findContacts(const ToolPoses& T_end, StepReport& report) {
+  std::vector<LinearisedContact> linearised;
+  if (!surface) return linearised;
+  const double h = config.integration.time_step_s;
+  bool is_refitted = false;
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    if (!tools[i].shape || !T_end[i] || report.tools[i].reseated) continue;
+    std::vector<Contact> contacts;
+    {
+      const StageTimer timer(report.times.detection_s);
+      if (!is_refitted) surface->refit(mesh, state.positions);
+      is_refitted = true;
+      contacts =
+          surface->findContacts(mesh, state.positions, *tools[i].shape, *T_end[i], config.contact->margin_m);
+    }
+    const StageTimer timer(report.times.contact_s);
+    for (const Contact& contact : contacts) {
+      Eigen::Vector3d velocity_tissue = Eigen::Vector3d::Zero();
+      for (const WeightedVertex& w : contact.weights) {
+        velocity_tissue += w.weight * state.velocities.col(w.vertex.index());
+      }
+      const Eigen::Vector3d point_start =
+          *tools[i].T_world_tool * (T_end[i]->inverse() * contact.point_world);
+      const Eigen::Vector3d velocity_tool = (contact.point_world - point_start) / h;
+      const LinearisedContact candidate =
+          lineariseContact(contact, static_cast<int>(i), velocity_tissue, velocity_tool, h, *config.contact);
+      if (candidate.force_0.isZero(0) && candidate.B.isZero(0)) continue;  // the gap stays open
+      linearised.push_back(candidate);
+    }
+  }
+  return linearised;
+}
+
+void Simulation::Impl::applyContactForces(const std::vector<LinearisedContact>& contacts,
+                                          const std::vector<Eigen::Vector3d>& forces, const ToolPoses& T_end,
+                                          StepReport& report) {
+  if (contacts.empty()) return;
+  const StageTimer timer(report.times.contact_s);
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    if (forces[c].isZero(0)) continue;
+    const Contact& contact = contacts[c].contact;
+    const int tool = contacts[c].tool;
+    report.contacts.push_back({tool, contact.face, contact.point_world, forces[c], contact.gap_m});
+    addReaction(report.tools[tool].wrench_tool, forces[c], contact.point_world, *T_end[tool]);
+  }
+}
+
+// Everything downstream of the mesh refreshes from the change. tool: whose blade made it, -1 for none.
+void Simulation::Impl::followCut(int tool, const CutResult& result) {
+  applyMeshChange(state, result.change);
+  assembly->update(mesh, result.change);
+  if (integrator) integrator->restart();
+  if (surface) surface->update(mesh, result.change, state.positions);
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    if (static_cast<int>(i) != tool && tools[i].blade) tools[i].blade->update(mesh, result.change);
+  }
+  pieces = findPieces(mesh);
+  ++num_cuts;
+  cells_left_whole += result.cells_left_whole;
+  static_solution_stands = false;
+}
+
+void Simulation::Impl::commit(int tool, CutResult result, Eigen::Matrix3Xd* positions_start,
+                              StepReport& report) {
+  if (result.status != CutStatus::kCut) return;
+  const StageTimer timer(report.times.update_s);
+  if (positions_start) appendNewVertices(*positions_start, result.change);
+  followCut(tool, result);
+  report.cuts.push_back({tool, std::move(result)});
+}
+
+// The work of fracture, toughness times new area, over the blade's travel relative to the tissue it has just
+// opened, and against that travel. World frame [N]; zero without travel.
+Eigen::Vector3d Simulation::Impl::cuttingResistance(int tool, const CutResult& result,
+                                                    const Eigen::Matrix3Xd& positions_start,
+                                                    const Eigen::Isometry3d& T_start,
+                                                    const Eigen::Isometry3d& T_end) const {
+  if (result.change.new_vertices.empty()) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d middle = bladeMiddle(tool);
+  Eigen::Vector3d travel = T_end * middle - T_start * middle;
+  Eigen::Vector3d tissue = Eigen::Vector3d::Zero();
+  for (const NewVertex& vertex : result.change.new_vertices) {
+    tissue += state.positions.col(vertex.vertex.index()) - positions_start.col(vertex.vertex.index());
+  }
+  travel -= tissue / static_cast<double>(result.change.new_vertices.size());
+  // Below this the direction of the travel is rounding.
+  constexpr double kNoTravel = 1e-9;  // [m]
+  const double length = travel.norm();
+  if (length < kNoTravel) return Eigen::Vector3d::Zero();
+  return -config.cutting->fracture_toughness_j_m2 * result.cut_area_m2 / length * (travel / length);
+}
+
+// positions_start: of the tissue before the step; gets new vertices too.
+void Simulation::Impl::moveBlades(const ToolPoses& T_end, Eigen::Matrix3Xd& positions_start,
+                                  StepReport& report) {
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    if (!tools[i].blade) continue;
+    const int tool = static_cast<int>(i);
+    BladeCut& blade = *tools[i].blade;
+    const bool sweeps = T_end[i] && !report.tools[i].reseated;
+    CutResult result;
+    {
+      const StageTimer timer(report.times.cutting_s);
+      if (sweeps) {
+        result = blade.advance(mesh, positions_start, state.positions, *tools[i].T_world_tool, *T_end[i],
+                               num_cuts + 1);
+      } else if (tools[i].T_world_tool) {
+        result = blade.finish(mesh, state.positions, num_cuts + 1);  // it has gone, or was taken elsewhere
+      }
+      report.tools[i].pending_crossings = blade.numPending();
+    }
+    const std::size_t num_events = report.cuts.size();
+    commit(tool, std::move(result), &positions_start, report);
+    if (sweeps && report.cuts.size() > num_events) {
+      const Eigen::Vector3d on_blade = cuttingResistance(tool, report.cuts.back().result, positions_start,
+                                                         *tools[i].T_world_tool, *T_end[i]);
+      addReaction(report.tools[i].wrench_tool, -on_blade, *T_end[i] * bladeMiddle(tool), *T_end[i]);
+    }
+  }
+}
+
+bool Simulation::Impl::stepDynamic(const ToolPoses& T_end, StepReport& report) {
+  const std::vector<LinearisedContact> contacts = findContacts(T_end, report);
+  bool has_blade = false;
+  for (const Tool& tool : tools) has_blade = has_blade || tool.blade;
+  Eigen::Matrix3Xd positions_start;
+  if (has_blade) positions_start = state.positions;
+  const IntegrationResult result = integrator->step(state, *assembly, contacts);
+  report.relative_residual = result.relative_residual;
+  report.solves = result.solves;
+  report.times.assembly_s = result.assembly_s;
+  report.times.solve_s = result.solve_s;
+  report.times.contact_s += result.contact_s;
+  if (result.status != SolveStatus::kSolved) {
+    report.message = toString(result.status);
+    return false;
+  }
+  applyContactForces(contacts, result.contact_forces, T_end, report);
+  if (has_blade) moveBlades(T_end, positions_start, report);
+  for (std::size_t i = 0; i < tools.size(); ++i) tools[i].T_world_tool = T_end[i];
+  return true;
+}
+
+// Nothing moves in a static scene but by a cut, so the solution stands until the next one.
+bool Simulation::Impl::stepStatic(StepReport& report) {
+  if (!static_solution_stands) {
+    const Eigen::Matrix3Xd weights = config.integration.gravity_m_s2 * assembly->vertexMasses().transpose();
+    const StaticSolution solution = solveStatic(mesh, *assembly, state.fixed, weights);
+    report.times.assembly_s = solution.assembly_s;
+    report.times.solve_s = solution.solve_s;
+    report.solves = 1;
+    report.relative_residual = solution.relative_residual;
+    if (solution.status != SolveStatus::kSolved) {
+      report.message = solution.message;
+      return false;
+    }
+    state.positions = mesh.restPositions() + solution.displacements;
+    static_solution_stands = true;
+    static_residual = solution.relative_residual;
+  }
+  report.relative_residual = static_residual;
+  return true;
+}
+
+Simulation::Simulation(const SimulationConfig& config) : impl_(std::make_unique<Impl>(config)) {}
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+
+StepReport Simulation::step(const std::vector<std::optional<Eigen::Isometry3d>>& T_world_tool) {
+  Impl& s = *impl_;
+  if (T_world_tool.size() != s.tools.size()) {
+    throw std::invalid_argument("T_world_tool has " + std::to_string(T_world_tool.size()) +
+                                " poses: must have one for each of the " + std::to_string(s.tools.size()) +
+                                " tools");
+  }
+  for (std::size_t i = 0; i < T_world_tool.size(); ++i) {
+    if (T_world_tool[i]) requirePose(i, *T_world_tool[i]);
+  }
+  StepReport report;
+  const StageTimer timer(report.times.total_s);
+  report.tools.resize(s.tools.size());
+  for (std::size_t i = 0; i < s.tools.size(); ++i) {
+    if (!T_world_tool[i]) continue;
+    const std::optional<Eigen::Isometry3d>& T_start = s.tools[i].T_world_tool;
+    report.tools[i].enabled = true;
+    report.tools[i].reseated = !T_start || longestWay(s.tools[i], s.config.tools[i], *T_start,
+                                                      *T_world_tool[i]) > s.config.tools[i].max_jump_m;
+  }
+  report.converged = s.isDynamic() ? s.stepDynamic(T_world_tool, report) : s.stepStatic(report);
+  if (report.converged) ++s.step_count;
+  return report;
+}
+
+CutResult Simulation::cut(const CutOperation& operation) {
+  Impl& s = *impl_;
+  if (!s.config.cutting) throw std::invalid_argument("cut: the scene is built without cutting");
+  CutResult result = cutMesh(s.mesh, s.state.positions, operation, *s.config.cutting, s.num_cuts + 1);
+  if (result.status == CutStatus::kCut) s.followCut(-1, result);
+  return result;
+}
+
+void Simulation::reset() {
+  impl_->reset();
+}
+
+const SimulationConfig& Simulation::config() const {
+  return impl_->config;
+}
+const PolyhedralMesh& Simulation::mesh() const {
+  return impl_->mesh;
+}
+const Eigen::Matrix3Xd& Simulation::positions() const {
+  return impl_->state.positions;
+}
+const Eigen::Matrix3Xd& Simulation::velocities() const {
+  return impl_->state.velocities;
+}
+const Pieces& Simulation::pieces() const {
+  return impl_->pieces;
+}
+const std::vector<bool>& Simulation::fixedVertices() const {
+  return impl_->state.fixed;
+}
+
+const ToolShape* Simulation::toolShape(int tool) const {
+  const Impl& s = *impl_;
+  POLYSCALPEL_ASSERT(tool >= 0 && tool < static_cast<int>(s.tools.size()));
+  return s.tools[tool].shape ? &*s.tools[tool].shape : nullptr;
+}
+
+std::int64_t Simulation::stepCount() const {
+  return impl_->step_count;
+}
+double Simulation::time_s() const {
+  return static_cast<double>(impl_->step_count) * impl_->config.integration.time_step_s;
+}
+double Simulation::restVolume_m3() const {
+  return impl_->rest_volume;
+}
+int Simulation::numCuts() const {
+  return impl_->num_cuts;
+}
+int Simulation::cellsLeftWhole() const {
+  return impl_->cells_left_whole;
+}
+double Simulation::addedMass_kg() const {
+  return impl_->assembly->addedMass_kg();
+}
+
+double Simulation::totalEnergy_j() const {
+  const Impl& s = *impl_;
+  Eigen::Matrix3Xd momenta;
+  s.assembly->multiplyMass(s.state.velocities, momenta);
+  return s.assembly->elasticEnergy(s.state.positions) +
+         pointEnergy(momenta, s.state, s.assembly->vertexMasses(), s.config.integration.gravity_m_s2);
+}
+
+const std::vector<std::string>& Simulation::parts() const {
+  return impl_->parts;
+}
+const std::vector<std::string>& Simulation::remarks() const {
+  return impl_->remarks;
+}
+
+}  // namespace polyscalpel

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/simulation/simulation_config.hpp"
+
+#include <cctype>
+#include <set>
+#include <stdexcept>
+
+#include "polyscalpel/core/checks.hpp"
+
+namespace polyscalpel {
+
+namespace {
+
+// A nested validate() names the field only; the user needs its path.
+template <class Config>
+void validateAt(const std::string& path, const Config& config) {
+  try {
+    validate(config);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(path + "." + error.what());
+  }
+}
+
+void requirePositiveEach(const std::string& name, const Eigen::Vector3d& value) {
+  for (int i = 0; i < 3; ++i) requirePositive(name + "[" + std::to_string(i) + "]", value[i]);
+}
+
+void requireIntInRange(const std::string& name, int value, int lowest, int highest) {
+  if (value >= lowest && value <= highest) return;
+  throw std::invalid_argument(name + " = " + std::to_string(value) + ": must be in [" +
+                              std::to_string(lowest) + ", " + std::to_string(highest) + "]");
+}
+
+struct MeshValidator {
+  void operator()(const BoxMeshConfig& box) const {
+    requireFinite("mesh.lowest_m", box.lowest_m);
+    requirePositiveEach("mesh.size_m", box.size_m);
+    for (int i = 0; i < 3; ++i)
+      requireIntInRange("mesh.counts[" + std::to_string(i) + "]", box.counts[i], 1, 200);
+  }
+  void operator()(const BallMeshConfig& ball) const {
+    requireFinite("mesh.centre_m", ball.centre_m);
+    requirePositive("mesh.radius_m", ball.radius_m);
+    requireIntInRange("mesh.half_count", ball.half_count, 1, 40);
+  }
+  void operator()(const MeshFileConfig& file) const {
+    if (file.path.empty()) throw std::invalid_argument("mesh.path: must not be empty");
+    requirePositive("mesh.scale", file.scale);
+    requireInRange("mesh.cell_size_m", file.cell_size_m, 0, kInfinity);
+  }
+};
+
+struct FixedRegionValidator {
+  std::string path;
+
+  void operator()(const FixedBox& box) const {
+    requireFinite(path + ".lowest_m", box.lowest_m);
+    for (int i = 0; i < 3; ++i) {
+      requireInRange(path + ".highest_m[" + std::to_string(i) + "]", box.highest_m[i], box.lowest_m[i],
+                     kInfinity);
+    }
+  }
+  void operator()(const FixedSphere& sphere) const {
+    requireFinite(path + ".centre_m", sphere.centre_m);
+    requirePositive(path + ".radius_m", sphere.radius_m);
+  }
+  void operator()(const FixedVertices& list) const {
+    if (list.vertices.empty()) throw std::invalid_argument(path + ".vertices: must not be empty");
+    for (const int vertex : list.vertices) {
+      if (vertex < 0) {
+        throw std::invalid_argument(path + ".vertices = " + std::to_string(vertex) + ": must be >= 0");
+      }
+    }
+  }
+};
+
+void validateIntegration(const IntegrationConfig& config) {
+  requireInRange("integration.time_step_s", config.time_step_s, 1e-6, 1);
+  requireInRange("integration.mass_damping_per_s", config.mass_damping_per_s, 0, kInfinity);
+  requireInRange("integration.stiffness_damping_s", config.stiffness_damping_s, 0, kInfinity);
+  requireFinite("integration.gravity_m_s2", config.gravity_m_s2);
+  requireIntInRange("integration.contact_iterations", config.contact_iterations, 1, 20);
+  requireInRange("integration.mass_floor", config.mass_floor, 0, 1);
+}
+
+// A name that can be a part of a ROS topic: a letter, then letters, digits and _.
+bool isRosName(const std::string& name) {
+  if (name.empty() || std::isalpha(static_cast<unsigned char>(name.front())) == 0) return false;
+  for (const char c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_') return false;
+  }
+  return true;
+}
+
+void validateTool(const std::string& path, const ToolConfig& tool, const SimulationConfig& config) {
+  if (!isRosName(tool.name)) {
+    throw std::invalid_argument(path + ".name = '" + tool.name +
+                                "': must be a letter, then letters, digits or _");
+  }
+  requirePositive(path + ".max_jump_m", tool.max_jump_m);
+  if (tool.shape) validateAt(path + ".shape", *tool.shape);
+  if (!tool.blade_edge_tool) return;
+  const Eigen::Matrix3Xd& edge = *tool.blade_edge_tool;
+  const std::string name = path + ".blade_edge_tool";
+  if (edge.cols() < 2) throw std::invalid_argument(name + ": must have at least 2 points");
+  requireFinite(name, edge);
+  if ((edge.colwise() - edge.col(0)).isZero(0))
+    throw std::invalid_argument(name + ": must have a length > 0");
+  if (!config.cutting)
+    throw std::invalid_argument(name + ": a blade needs the scene's cutting, which is not there");
+}
+
+}  // namespace
+
+void validate(const SimulationConfig& config) {
+  std::visit(MeshValidator{}, config.mesh);
+  validateAt("material", config.material);
+  validateAt("element", config.element);
+  for (std::size_t i = 0; i < config.fixed.size(); ++i) {
+    std::visit(FixedRegionValidator{"fixed[" + std::to_string(i) + "]"}, config.fixed[i]);
+  }
+  validateIntegration(config.integration);
+  if (config.cutting) validateAt("cutting", *config.cutting);
+  if (config.contact) validateAt("contact", *config.contact);
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < config.tools.size(); ++i) {
+    const std::string path = "tools[" + std::to_string(i) + "]";
+    validateTool(path, config.tools[i], config);
+    if (!names.insert(config.tools[i].name).second) {
+      throw std::invalid_argument(path + ".name = '" + config.tools[i].name +
+                                  "': another tool has this name");
+    }
+  }
+  if (config.integration.mode != AnalysisMode::kStatic) return;
+  if (config.contact) throw std::invalid_argument("contact: a static scene has none");
+  if (!config.tools.empty()) throw std::invalid_argument("tools: a static scene has none");
+  if (config.fixed.empty()) throw std::invalid_argument("fixed: a static scene must hold something");
+}
+
+}  // namespace polyscalpel
