@@ -14,7 +14,9 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using CGAL::MP_Float;
 using Eigen::Vector3d;
 
-Kernel::Point_3 toPoint(const Vector3d& p) { return {p.x(), p.y(), p.z()}; }
+Kernel::Point_3 toPoint(const Vector3d& p) {
+  return {p.x(), p.y(), p.z()};
+}
 
 /// Exact sign of det(b - a, c - a, d - a).
 int orientation(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
@@ -25,7 +27,8 @@ double determinant(const Vector3d& a, const Vector3d& b, const Vector3d& c, cons
   return (b - a).cross(c - a).dot(d - a);
 }
 
-/// Exact sign of the first non-zero component of (b - a) x (d - c): the sign of its product with the mesh's shift.
+/// Exact sign of the first non-zero component of (b - a) x (d - c): the sign of its product with the mesh's
+/// shift.
 int shiftSign(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -38,7 +41,9 @@ int shiftSign(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vec
 }
 
 /// Part of a quantity that is known to be on the side `sign`: rounding may not carry it across zero.
-double magnitude(double value, int sign) { return std::max(0.0, value * sign); }
+double magnitude(double value, int sign) {
+  return std::max(0.0, value * sign);
+}
 
 }  // namespace
 
@@ -76,7 +81,8 @@ TriangleCrossing crossTriangle(const Vector3d& p, const Vector3d& q, const Vecto
   }
   if (side_p == side_q) return crossing;
 
-  // det(q - p, a - p - s, b - p - s) = det(q - p, a - p, b - p) - s . ((b - a) x (q - p)) for a shift s of the segment.
+  // det(q - p, a - p - s, b - p - s) = det(q - p, a - p, b - p) - s . ((b - a) x (q - p)) for a shift s of
+  // the segment.
   const Vector3d* corners[3] = {&a, &b, &c};
   double weights[3];
   for (int i = 0; i < 3; ++i) {

@@ -79,7 +79,9 @@ std::vector<CellId> cellsAround(const PolyhedralMesh& mesh, VertexId vertex) {
 
 MeshEditor::MeshEditor(PolyhedralMesh& mesh) : mesh_(mesh), first_new_cell_(mesh.cellCapacity()) {}
 
-MeshEditor::~MeshEditor() { rollBackTo(0); }
+MeshEditor::~MeshEditor() {
+  rollBackTo(0);
+}
 
 void MeshEditor::rollBackTo(std::size_t savepoint) {
   while (journal_.size() > savepoint) {
@@ -117,7 +119,7 @@ Face& MeshEditor::touchFace(FaceId id) {
 }
 
 Cell& MeshEditor::touchCell(CellId id) {
-  journal_.push_back(OldCell{id, mesh_.cells_[id.index()], CellId()});
+  journal_.push_back(OldCell{id, mesh_.cells_[id.index()]});
   return mesh_.cells_[id.index()];
 }
 
@@ -145,7 +147,7 @@ CellId MeshEditor::addCell(CellId former, std::vector<FaceId> faces) {
   Cell cell;
   cell.faces = std::move(faces);
   cell.region = mesh_.cell(former).region;
-  journal_.push_back(OldCell{id, std::nullopt, CellId()});
+  journal_.push_back(OldCell{id, std::nullopt});
   mesh_.cells_.push_back(std::move(cell));
   ++mesh_.num_cells_;
   parents_.push_back(former);
@@ -154,9 +156,9 @@ CellId MeshEditor::addCell(CellId former, std::vector<FaceId> faces) {
 
 VertexId MeshEditor::addVertex(const NewVertex& origin) {
   const VertexId a = origin.parents[0], b = origin.parents[1];
-  const Eigen::Vector3d position =
-      a == b ? mesh_.restPosition(a)
-             : Eigen::Vector3d((1 - origin.weight) * mesh_.restPosition(a) + origin.weight * mesh_.restPosition(b));
+  const Eigen::Vector3d position = a == b ? mesh_.restPosition(a)
+                                          : Eigen::Vector3d((1 - origin.weight) * mesh_.restPosition(a) +
+                                                            origin.weight * mesh_.restPosition(b));
   const double size = std::min(mesh_.localSize(a), mesh_.localSize(b));
   journal_.push_back(AddedVertex{});
   mesh_.rest_positions_.push_back(position);
@@ -234,7 +236,8 @@ MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceI
                                             const std::vector<VertexId>& cap_loop, int cut) {
   std::vector<FaceId> second_faces;
   for (const FaceId face : mesh_.cell(cell).faces) {
-    if (std::find(first_faces.begin(), first_faces.end(), face) == first_faces.end()) second_faces.push_back(face);
+    if (std::find(first_faces.begin(), first_faces.end(), face) == first_faces.end())
+      second_faces.push_back(face);
   }
   POLYSCALPEL_ASSERT(!first_faces.empty() && !second_faces.empty());
   SplitCell split;
@@ -247,8 +250,9 @@ MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceI
   cap.cut = cut;
   split.cap = addFace(std::move(cap));
 
-  for (const auto& [part, faces] : {std::make_pair(split.first, &first_faces),
-                                    std::make_pair(split.second, static_cast<const std::vector<FaceId>*>(&second_faces))}) {
+  for (const auto& [part, faces] :
+       {std::make_pair(split.first, &first_faces),
+        std::make_pair(split.second, static_cast<const std::vector<FaceId>*>(&second_faces))}) {
     for (const FaceId id : *faces) {
       Face& face = touchFace(id);
       face.cells[face.cells[0] == cell ? 0 : 1] = part;
@@ -310,31 +314,39 @@ void MeshEditor::separateVertex(VertexId vertex) {
   }
 }
 
-CellId MeshEditor::rootOf(CellId id) const {
-  while (id.index() >= first_new_cell_) id = parents_[id.index() - first_new_cell_];
-  return id;
+MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
+  MeshChange change;
+  std::vector<CellId> cells;
+  std::size_t num_new_vertices = 0;
+  int first_new_cell = mesh_.cellCapacity();
+  for (std::size_t i = savepoint; i < journal_.size(); ++i) {
+    if (const auto* old_cell = std::get_if<OldCell>(&journal_[i])) {
+      cells.push_back(old_cell->id);
+      if (!old_cell->cell) first_new_cell = std::min(first_new_cell, old_cell->id.index());
+    } else if (const auto* old_face = std::get_if<OldFace>(&journal_[i])) {
+      change.changed_faces.push_back(old_face->id);
+    } else {
+      num_new_vertices += std::holds_alternative<AddedVertex>(journal_[i]);
+    }
+  }
+  change.new_vertices.assign(new_vertices_.end() - num_new_vertices, new_vertices_.end());
+  sortUnique(change.changed_faces);
+  sortUnique(cells);
+  for (const CellId id : cells) {
+    const bool is_alive = mesh_.cell(id).isAlive();
+    if (id.index() < first_new_cell) {
+      (is_alive ? change.changed_cells : change.removed_cells).push_back(id);
+    } else if (is_alive) {
+      CellId parent = id;
+      while (parent.index() >= first_new_cell) parent = parents_[parent.index() - first_new_cell_];
+      change.new_cells.push_back({id, parent});
+    }
+  }
+  return change;
 }
 
 MeshChange MeshEditor::commit() {
-  MeshChange change;
-  change.new_vertices = new_vertices_;
-  std::vector<CellId> cells;
-  for (const Undo& undo : journal_) {
-    if (const auto* old_cell = std::get_if<OldCell>(&undo)) cells.push_back(old_cell->id);
-    if (const auto* old_face = std::get_if<OldFace>(&undo)) change.changed_faces.push_back(old_face->id);
-  }
-  sortUnique(cells);
-  sortUnique(change.changed_faces);
-  for (const CellId id : cells) {
-    const bool alive = mesh_.cell(id).isAlive();
-    if (id.index() >= first_new_cell_) {
-      if (alive) change.new_cells.push_back({id, rootOf(id)});
-    } else if (alive) {
-      change.changed_cells.push_back(id);
-    } else {
-      change.removed_cells.push_back(id);
-    }
-  }
+  MeshChange change = changeSince(0);
   journal_.clear();
   new_vertices_.clear();
   parents_.clear();

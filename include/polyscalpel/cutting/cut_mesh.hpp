@@ -13,12 +13,16 @@
 
 namespace polyscalpel {
 
-/// Sliver policy and progress of cuts. h is the size of the uncut mesh around a vertex (PolyhedralMesh::localSize).
+/// Sliver policy and progress of cuts. h is the size of the uncut mesh around a vertex
+/// (PolyhedralMesh::localSize).
 struct CuttingConfig {
-  double snap_tolerance = 0.05;  ///< tau in [1e-6, 0.2]: a crossing nearer than tau h to a vertex goes through the vertex
-  double hold_back = 0.5;        ///< in [0, 2]: a cell splits once the blade has left its bounding box by this times h
-  double max_travel = 0.25;      ///< in (0, 1]: the blade's travel in one sub-step, times h
-  double fracture_toughness_j_m2 = 0;  ///< in [0, 1e5]: energy per new cut area, felt by the tool as resistance
+  double snap_tolerance =
+      0.05;  ///< tau in [1e-6, 0.2]: a crossing nearer than tau h to a vertex goes through the vertex
+  double hold_back =
+      0.5;  ///< in [0, 2]: a cell splits once the blade has left its bounding box by this times h
+  double max_travel = 0.25;  ///< in [1e-3, 1]: the blade's travel in one sub-step, times h
+  double fracture_toughness_j_m2 =
+      0;  ///< in [0, 1e5]: energy per new cut area, felt by the tool as resistance
 };
 
 /// Throws std::invalid_argument with name, value and range.
@@ -35,56 +39,61 @@ struct PolygonCut {
   Eigen::Matrix3Xd corners_world;  ///< 3 x k, k >= 3 [m], in order, either sense
 };
 
-/// The ruled surface swept by a polyline blade edge through the given positions, in deformed space, tissue held still.
+/// The ruled surface swept by a polyline blade edge through the given positions, in deformed space, tissue
+/// held still.
 struct SweepCut {
-  Eigen::Matrix3Xd edge_tool;                  ///< 3 x k, k >= 2 [m]
-  std::vector<Eigen::Isometry3d> T_world_tool; ///< at least 2
+  Eigen::Matrix3Xd edge_tool;                   ///< 3 x k, k >= 2 [m]
+  std::vector<Eigen::Isometry3d> T_world_tool;  ///< at least 2
 };
 
 using CutOperation = std::variant<PlaneCut, PolygonCut, SweepCut>;
 
 enum class CutStatus {
-  kCut,        ///< the mesh has changed
-  kMissed,     ///< the blade does not meet the tissue
+  kCut,               ///< the mesh has changed
+  kMissed,            ///< the blade does not meet the tissue
   kNothingSeparated,  ///< the blade meets the tissue but passes no cell whole; the mesh is as it was
 };
 
 /// What a cut did. The mesh is as it was unless status is kCut.
 struct CutResult {
   CutStatus status = CutStatus::kMissed;
-  std::string message;      ///< one sentence for a user
-  int cut = 0;              ///< the number that new faces carry in Face::cut
+  std::string message;  ///< one sentence for a user
+  int cut = 0;          ///< the number that new faces carry in Face::cut
   MeshChange change;
-  int cells_split = 0;      ///< number of splits
-  int cells_left_whole = 0; ///< cells that the blade passed but no fallback could split soundly
+  int cells_split = 0;       ///< number of splits
+  int cells_left_whole = 0;  ///< cells that the blade passed but no fallback could split soundly
   int pieces_before = 0;
   int pieces_after = 0;
-  double cut_area_m2 = 0;   ///< area of the new caps in rest shape, each counted once
+  double cut_area_m2 = 0;  ///< area of the new caps in rest shape, each counted once
 };
 
-/// Cuts at once, through the body as it lies in `positions` (3 x n, one column per vertex [m]). cut: number for the
-/// new faces, >= 1. All or nothing. Throws std::invalid_argument for input that is no cut: not finite, zero normal, fewer
-/// than 3 corners, corners not in one plane (1e-3 of their extent), a repeated or self-crossing outline, a blade without
-/// length, fewer than two poses.
+/// Cuts at once, through the body as it lies in `positions` (3 x n, one column per vertex [m]). cut: number
+/// for the new faces, >= 1. All or nothing. Throws std::invalid_argument for input that is no cut: not
+/// finite, zero normal, fewer than 3 corners, corners not in one plane (1e-3 of their extent), a repeated or
+/// self-crossing outline, a blade without length, fewer than two poses.
 CutResult cutMesh(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
                   const CutOperation& operation, const CuttingConfig& config, int cut);
 
-/// One blade moving through moving tissue: remembers crossed edges and splits each cell once the blade has left it.
+/// One blade moving through moving tissue: remembers crossed edges and splits each cell once the blade has
+/// left it.
 class BladeCut {
  public:
-  /// edge_tool: 3 x k, k >= 2 [m], the cutting edge as a polyline in the tool's frame. Throws std::invalid_argument.
+  /// edge_tool: 3 x k, k >= 2 [m], the cutting edge as a polyline in the tool's frame. Throws
+  /// std::invalid_argument.
   BladeCut(const Eigen::Ref<const Eigen::Matrix3Xd>& edge_tool, const CuttingConfig& config);
   ~BladeCut();
   BladeCut(BladeCut&&) noexcept;
   BladeCut& operator=(BladeCut&&) noexcept;
 
-  /// Moves tissue and blade from their start to their end and splits what the blade has passed and left. Positions are
-  /// 3 x numVertices(); the mesh may have got new vertices between two calls (see update()).
+  /// Moves tissue and blade from their start to their end and splits what the blade has passed and left.
+  /// Positions are 3 x numVertices(); the mesh may have got new vertices between two calls (see update()).
   CutResult advance(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions_start,
                     const Eigen::Ref<const Eigen::Matrix3Xd>& positions_end,
-                    const Eigen::Isometry3d& T_world_tool_start, const Eigen::Isometry3d& T_world_tool_end, int cut);
+                    const Eigen::Isometry3d& T_world_tool_start, const Eigen::Isometry3d& T_world_tool_end,
+                    int cut);
 
-  /// Ends the stroke: splits every cell that is passed, whether or not the blade has left it, and forgets the rest.
+  /// Ends the stroke: splits every cell that is passed, whether or not the blade has left it, and forgets the
+  /// rest.
   CutResult finish(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions, int cut);
 
   /// Forgets everything remembered, without cutting.
@@ -93,13 +102,14 @@ class BladeCut {
   /// To be called when another blade or a service has changed the mesh.
   void update(const PolyhedralMesh& mesh, const MeshChange& change);
 
+  struct Impl;
+
   /// Edges remembered as crossed and not yet split.
   int numPending() const;
   /// Whether a stroke is under way: the blade has crossed an edge and has not left the tissue since.
   bool isCutting() const;
 
  private:
-  struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -12,8 +12,8 @@
 
 namespace polyscalpel {
 
-/// One transaction on a mesh: elementary edits, each of which keeps it conforming, written to a journal. What is not
-/// committed is undone when the editor goes, so a cut is made whole or not at all.
+/// One transaction on a mesh: elementary edits, each of which keeps it conforming, written to a journal. What
+/// is not committed is undone when the editor goes, so a cut is made whole or not at all.
 class MeshEditor {
  public:
   /// The mesh must outlive the editor; one editor a mesh at a time.
@@ -31,28 +31,28 @@ class MeshEditor {
   /// Puts a vertex at (1 - weight) a + weight b on the edge a-b of every face that has it, weight in (0, 1).
   VertexId splitEdge(VertexId a, VertexId b, double weight);
 
-  /// Divides a face by the chord from a to b, two vertices of its loop that are not adjacent there. Both cells get both
-  /// parts. Returns the part with the loop a ... b first.
+  /// Divides a face by the chord from a to b, two vertices of its loop that are not adjacent there. Both
+  /// cells get both parts. Returns the part with the loop a ... b first.
   std::pair<FaceId, FaceId> splitFace(FaceId face, VertexId a, VertexId b);
 
-  /// Divides a cell by a new face, the cap, shared by both parts. first_faces: the faces of the first part; cap_loop:
-  /// counter-clockwise seen from outside the first part. Returns first part, second part, cap.
+  /// Divides a cell by a new face, the cap, shared by both parts. first_faces: the faces of the first part;
+  /// cap_loop: counter-clockwise seen from outside the first part. Returns first part, second part, cap.
   struct SplitCell {
     CellId first, second;
     FaceId cap;
   };
-  SplitCell splitCell(CellId cell, const std::vector<FaceId>& first_faces, const std::vector<VertexId>& cap_loop,
-                      int cut);
+  SplitCell splitCell(CellId cell, const std::vector<FaceId>& first_faces,
+                      const std::vector<VertexId>& cap_loop, int cut);
 
   /// Turns a face between two cells into two boundary faces in the same place, marked with the cut's number.
   void openFace(FaceId face, int cut);
 
-  /// Where the cells around a vertex are no longer joined through closed faces, gives each part but the one with the
-  /// smallest cell id a copy of the vertex.
+  /// Where the cells around a vertex are no longer joined through closed faces, gives each part but the one
+  /// with the smallest cell id a copy of the vertex.
   void separateVertex(VertexId vertex);
 
-  /// Vertices made since the editor was made, ascending.
-  const std::vector<NewVertex>& newVertices() const { return new_vertices_; }
+  /// What the edits after a savepoint did, as seen from there.
+  MeshChange changeSince(std::size_t savepoint) const;
 
   /// Ends the transaction and keeps its edits. The editor may not be used afterwards.
   MeshChange commit();
@@ -64,8 +64,7 @@ class MeshEditor {
   };
   struct OldCell {
     CellId id;
-    std::optional<Cell> cell;
-    CellId parent;  ///< for a new cell: the cell before the transaction that it is a part of
+    std::optional<Cell> cell;  ///< nothing: the cell did not exist
   };
   struct OldVertexFaces {
     VertexId id;
@@ -82,12 +81,11 @@ class MeshEditor {
   VertexId addVertex(const NewVertex& origin);
   void removeFace(FaceId id);
   void refreshVertices(CellId id);
-  CellId rootOf(CellId id) const;
 
   PolyhedralMesh& mesh_;
   std::vector<Undo> journal_;
   std::vector<NewVertex> new_vertices_;
-  std::vector<CellId> parents_;  ///< of the cells from first_new_cell_ on
+  std::vector<CellId> parents_;  ///< of the cells from first_new_cell_ on, the cell that was split
   int first_new_cell_ = 0;
 };
 

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <set>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "polyscalpel/mesh/mesh_change.hpp"
+#include "polyscalpel/mesh/polyhedral_mesh.hpp"
+
+namespace polyscalpel {
+
+/// An edge of the mesh as (smaller id, larger id).
+using Edge = std::pair<VertexId, VertexId>;
+
+Edge makeEdge(VertexId a, VertexId b);
+
+/// The blade's surface through an edge.
+struct Hit {
+  Edge edge;
+  double weight = 0;  ///< where, from edge.first (0) to edge.second (1); the same in rest and deformed shape
+  int sign =
+      0;  ///< +1: edge.first lies behind the blade's surface and edge.second before it; -1: the reverse
+  double alignment = 1;  ///< |cos| of the angle between the edge and the normal of the blade's surface
+};
+
+/// What one stroke of one blade has crossed and not yet split, and what it has split. A crossing nearer than
+/// snap_tolerance * localSize to a vertex goes through the vertex: it is "snapped" in all cells around.
+class Crossings {
+ public:
+  /// A crossed edge. side of edge.first is -sign, of edge.second +sign.
+  struct CrossedEdge {
+    double weight = 0;
+    int sign = 0;
+    int time = 0;
+  };
+
+  /// Remembers a hit; the first one on an edge wins. Dropped: a hit within the snap distance of the slit that
+  /// this stroke has just made, and one on an edge that lies in the slit.
+  void add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tolerance);
+
+  /// The crossing of a cell's edge, nullptr where there is none that counts for this cell.
+  const CrossedEdge* find(CellId cell, Edge edge) const;
+
+  /// Whether the blade's surface goes through the vertex, for this cell. A cell that the stroke has split
+  /// does not count the corners of its own cap, so that a blade which turns back can split it once more.
+  bool isSnapped(CellId cell, VertexId vertex) const;
+
+  /// Side of the blade's surface on which a vertex lies that an edge joins to a snapped one; 0 where that is
+  /// not known.
+  int sideOfNeighbour(VertexId snapped, VertexId neighbour) const;
+
+  /// Moves the crossings at a vertex into the vertex. side: that on which it lies, +1 or -1.
+  void snap(const PolyhedralMesh& mesh, VertexId vertex, int side);
+
+  /// Records that a crossed edge has got a vertex where it was crossed.
+  void recordSplitEdge(Edge edge, VertexId middle);
+
+  /// Records the two parts of a cell. first_side: side of the blade's surface on which the first part lies.
+  void recordSplitCell(CellId cell, CellId first, CellId second, const std::vector<VertexId>& cap_loop,
+                       int first_side);
+
+  /// Side of the blade's surface on which a cell lies, seen from a face of it whose corners are all snapped:
+  /// +1, -1, or 0 for a cell that lies on both. A cell with every vertex snapped counts as -1.
+  int sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face) const;
+
+  /// Whether all corners of the face are snapped.
+  bool isInSlit(const Face& face) const;
+
+  /// Follows a commit: copies of vertices are crossed and snapped as the originals are; crossings of edges
+  /// that are gone are dropped. Ends one unit of time.
+  void update(const PolyhedralMesh& mesh, const MeshChange& change);
+
+  /// Cells that have a crossed edge or a corner that was snapped and not released, ascending.
+  std::vector<CellId> touchedCells(const PolyhedralMesh& mesh) const;
+
+  /// Snapped vertices whose faces may still have to be opened, ascending.
+  const std::set<VertexId>& openVertices() const { return open_vertices_; }
+  /// The faces around the vertex need not be looked at again.
+  void release(VertexId vertex) { open_vertices_.erase(vertex); }
+
+  const std::map<Edge, CrossedEdge>& edges() const { return edges_; }
+  bool isEmpty() const { return edges_.empty() && snaps_.empty(); }
+  void clear();
+
+ private:
+  struct Snap {
+    int side = 0;  ///< of the vertex; 0 for one made on the blade's surface
+    std::vector<std::pair<VertexId, int>>
+        neighbours;  ///< sides of vertices at the other end of crossed edges
+    int sideOfNeighbour(VertexId neighbour) const;
+  };
+  struct Part {
+    int side = 0;
+    int time = 0;                ///< of the split
+    std::set<VertexId> settled;  ///< corners of its caps
+  };
+
+  std::map<Edge, CrossedEdge> edges_;
+  std::unordered_map<VertexId, Snap> snaps_;
+  std::unordered_map<CellId, Part> parts_;
+  std::set<VertexId> open_vertices_;
+  int time_ = 0;
+};
+
+}  // namespace polyscalpel

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "polyscalpel/cutting/crossings.hpp"
+#include "polyscalpel/mesh/mesh_editing.hpp"
+
+namespace polyscalpel {
+
+/// What a round of splitting did.
+struct SplitCounts {
+  int cells_split = 0;
+  int cells_left_whole = 0;
+  double cap_area_m2 = 0;  ///< rest shape
+  std::vector<CellId> left_whole;
+};
+
+/// Splits every cell that `is_ready` and whose vertices the crossings disconnect, opens the new caps and the
+/// faces that lie in the slit, and gives the separated sides vertices of their own. Each cell is split by
+/// itself: the smaller component of its vertices gets the faces it reaches, the border over these faces is
+/// the cap. A split that would make a cell (or a touched neighbour) thinner than kSmallestRelativeSubTet is
+/// undone; then a thin component, at most 4 vertices within 2 snap_tolerance h of the cut, joins the cut;
+/// then the cell is left whole and counted.
+SplitCounts splitCells(MeshEditor& editor, Crossings& crossings, const std::vector<CellId>& candidates,
+                       const std::function<bool(CellId)>& is_ready, double snap_tolerance, int cut);
+
+}  // namespace polyscalpel

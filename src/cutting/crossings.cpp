@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/cutting/crossings.hpp"
+
+#include <algorithm>
+
+#include "polyscalpel/core/checks.hpp"
+#include "polyscalpel/mesh/mesh_editing.hpp"
+
+namespace polyscalpel {
+namespace {
+
+/// An edge between two corners of the slit with a smaller |cos| to the blade's normal than this lies in the
+/// slit; one with a larger crosses it, as where a stroke crosses itself.
+constexpr double kLargestAlignmentInSlit = 0.5;
+
+void sortUnique(std::vector<CellId>& cells) {
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+}
+
+/// Vertices joined to `vertex` by an edge.
+std::vector<VertexId> neighboursOf(const PolyhedralMesh& mesh, VertexId vertex) {
+  std::vector<VertexId> neighbours;
+  for (const FaceId id : mesh.facesAround(vertex)) {
+    const auto& loop = mesh.face(id).loop;
+    const std::size_t i = findInLoop(mesh.face(id), vertex), n = loop.size();
+    neighbours.push_back(loop[(i + 1) % n]);
+    neighbours.push_back(loop[(i + n - 1) % n]);
+  }
+  std::sort(neighbours.begin(), neighbours.end());
+  neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
+  return neighbours;
+}
+
+}  // namespace
+
+Edge makeEdge(VertexId a, VertexId b) {
+  return a < b ? Edge{a, b} : Edge{b, a};
+}
+
+int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
+  for (const auto& [vertex, neighbour_side] : neighbours) {
+    if (vertex == neighbour) return neighbour_side;
+  }
+  return side;
+}
+
+void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tolerance) {
+  if (edges_.count(hit.edge)) return;
+  const auto [a, b] = hit.edge;
+  const auto snap_a = snaps_.find(a), snap_b = snaps_.find(b);
+  if (snap_a != snaps_.end() && snap_b != snaps_.end() && hit.alignment < kLargestAlignmentInSlit) return;
+
+  const double length = (mesh.restPosition(b) - mesh.restPosition(a)).norm();
+  const double to_a = hit.weight * length, to_b = (1 - hit.weight) * length;
+  const bool is_near_a = to_a < snap_tolerance * mesh.localSize(a);
+  const bool is_near_b = to_b < snap_tolerance * mesh.localSize(b);
+  if (is_near_a || is_near_b) {
+    const bool through_a = is_near_a && (!is_near_b || to_a <= to_b);
+    const VertexId vertex = through_a ? a : b, other = through_a ? b : a;
+    const int other_side = through_a ? hit.sign : -hit.sign;
+    const auto known = through_a ? snap_a : snap_b;
+    if (known == snaps_.end()) {
+      snap(mesh, vertex, -other_side);
+      snaps_[vertex].neighbours.emplace_back(other, other_side);
+    } else if (known->second.side != 0 && known->second.sideOfNeighbour(other) == known->second.side) {
+      known->second.neighbours.emplace_back(other, other_side);
+    }
+    return;
+  }
+  edges_[hit.edge] = {hit.weight, hit.sign, time_};
+  if (snap_a != snaps_.end()) snap_a->second.neighbours.emplace_back(b, hit.sign);
+  if (snap_b != snaps_.end()) snap_b->second.neighbours.emplace_back(a, -hit.sign);
+}
+
+const Crossings::CrossedEdge* Crossings::find(CellId cell, Edge edge) const {
+  const auto place = edges_.find(edge);
+  if (place == edges_.end()) return nullptr;
+  const auto part = parts_.find(cell);
+  if (part != parts_.end() && place->second.time <= part->second.time &&
+      (part->second.settled.count(edge.first) || part->second.settled.count(edge.second))) {
+    return nullptr;  // crossed by the sheet that made the cap, which goes through the snapped corner instead
+  }
+  return &place->second;
+}
+
+bool Crossings::isSnapped(CellId cell, VertexId vertex) const {
+  if (!snaps_.count(vertex)) return false;
+  const auto part = parts_.find(cell);
+  return part == parts_.end() || !part->second.settled.count(vertex);
+}
+
+int Crossings::sideOfNeighbour(VertexId snapped, VertexId neighbour) const {
+  const auto place = snaps_.find(snapped);
+  return place == snaps_.end() ? 0 : place->second.sideOfNeighbour(neighbour);
+}
+
+void Crossings::snap(const PolyhedralMesh& mesh, VertexId vertex, int side) {
+  Snap& snap = snaps_[vertex];
+  snap.side = side;
+  open_vertices_.insert(vertex);
+  for (const VertexId other : neighboursOf(mesh, vertex)) {
+    const auto crossed = edges_.find(makeEdge(vertex, other));
+    if (crossed == edges_.end()) continue;
+    snap.neighbours.emplace_back(other, other < vertex ? -crossed->second.sign : crossed->second.sign);
+    edges_.erase(crossed);
+  }
+}
+
+void Crossings::recordSplitEdge(Edge edge, VertexId middle) {
+  const auto crossed = edges_.find(edge);
+  POLYSCALPEL_ASSERT(crossed != edges_.end());
+  const int sign = crossed->second.sign;
+  snaps_[middle].neighbours = {{edge.first, -sign}, {edge.second, sign}};
+  open_vertices_.insert(middle);
+  edges_.erase(crossed);
+}
+
+void Crossings::recordSplitCell(CellId cell, CellId first, CellId second,
+                                const std::vector<VertexId>& cap_loop, int first_side) {
+  Part part;
+  if (const auto former = parts_.find(cell); former != parts_.end()) {
+    part.settled = former->second.settled;
+    parts_.erase(former);
+  }
+  part.settled.insert(cap_loop.begin(), cap_loop.end());
+  part.time = time_;
+  part.side = first_side;
+  parts_[first] = part;
+  part.side = -first_side;
+  parts_[second] = std::move(part);
+}
+
+int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) const {
+  const auto& loop = mesh.face(face_id).loop;
+  const auto isInFace = [&](VertexId v) { return std::find(loop.begin(), loop.end(), v) != loop.end(); };
+  const auto part = parts_.find(cell);
+  if (part != parts_.end() &&
+      std::all_of(loop.begin(), loop.end(), [&](VertexId v) { return part->second.settled.count(v) > 0; })) {
+    return part->second.side;
+  }
+  bool is_before = false, is_behind = false;
+  for (const auto& [a, b] : mesh.edges(cell)) {
+    for (const auto& [corner, other] : {std::make_pair(a, b), std::make_pair(b, a)}) {
+      if (!isInFace(corner) || isInFace(other) || isSnapped(cell, other)) continue;
+      const auto snap = snaps_.find(corner);
+      if (snap == snaps_.end()) continue;
+      const int side = snap->second.sideOfNeighbour(other);
+      is_before |= side > 0;
+      is_behind |= side < 0;
+    }
+  }
+  if (is_before && is_behind) return 0;
+  return is_before ? 1 : -1;
+}
+
+bool Crossings::isInSlit(const Face& face) const {
+  return std::all_of(face.loop.begin(), face.loop.end(), [&](VertexId v) { return snaps_.count(v) > 0; });
+}
+
+void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
+  for (const CellId id : change.removed_cells) parts_.erase(id);
+
+  std::unordered_map<VertexId, VertexId> originals;  // of copies, as they stood before this change
+  for (const NewVertex& origin : change.new_vertices) {
+    if (origin.parents[0] != origin.parents[1]) continue;
+    const auto further = originals.find(origin.parents[0]);
+    originals[origin.vertex] = further == originals.end() ? origin.parents[0] : further->second;
+  }
+  const auto originalOf = [&](VertexId v) {
+    const auto place = originals.find(v);
+    return place == originals.end() ? v : place->second;
+  };
+
+  for (const NewVertex& origin : change.new_vertices) {
+    const auto snap = snaps_.find(originalOf(origin.vertex));
+    if (snap == snaps_.end() || originalOf(origin.vertex) == origin.vertex) continue;
+    const Snap value = snap->second;
+    snaps_[origin.vertex] = value;
+    if (open_vertices_.count(originalOf(origin.vertex))) open_vertices_.insert(origin.vertex);
+  }
+  for (const NewVertex& origin : change.new_vertices) {
+    const VertexId copy = origin.vertex, former = originalOf(copy);
+    if (former == copy) continue;
+    for (const VertexId other : neighboursOf(mesh, copy)) {
+      if (const auto snap = snaps_.find(other); snap != snaps_.end()) {
+        for (std::size_t i = 0; i < snap->second.neighbours.size(); ++i) {
+          if (snap->second.neighbours[i].first != former) continue;
+          snap->second.neighbours.emplace_back(copy, snap->second.neighbours[i].second);
+          break;
+        }
+      }
+      const VertexId former_other = originalOf(other);
+      if (const auto crossed = edges_.find(makeEdge(former, former_other)); crossed != edges_.end()) {
+        CrossedEdge moved = crossed->second;
+        if ((former < former_other) != (copy < other)) moved = {1 - moved.weight, -moved.sign, moved.time};
+        edges_.emplace(makeEdge(copy, other), moved);
+      }
+    }
+    for (const CellId cell : cellsAround(mesh, copy)) {
+      const auto part = parts_.find(cell);
+      if (part != parts_.end() && part->second.settled.count(former)) part->second.settled.insert(copy);
+    }
+  }
+  for (auto crossed = edges_.begin(); crossed != edges_.end();) {
+    const auto [a, b] = crossed->first;
+    crossed = cellsAroundEdge(mesh, a, b).empty() ? edges_.erase(crossed) : std::next(crossed);
+  }
+  ++time_;
+}
+
+std::vector<CellId> Crossings::touchedCells(const PolyhedralMesh& mesh) const {
+  std::vector<CellId> cells;
+  for (const auto& [edge, crossed] : edges_) {
+    const auto around = cellsAroundEdge(mesh, edge.first, edge.second);
+    cells.insert(cells.end(), around.begin(), around.end());
+  }
+  for (const VertexId vertex : open_vertices_) {
+    const auto around = cellsAround(mesh, vertex);
+    cells.insert(cells.end(), around.begin(), around.end());
+  }
+  sortUnique(cells);
+  return cells;
+}
+
+void Crossings::clear() {
+  edges_.clear();
+  snaps_.clear();
+  parts_.clear();
+  open_vertices_.clear();
+}
+
+}  // namespace polyscalpel

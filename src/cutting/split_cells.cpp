@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/cutting/split_cells.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <unordered_map>
+
+#include <Eigen/Geometry>
+
+#include "polyscalpel/core/checks.hpp"
+#include "polyscalpel/mesh/mesh_checks.hpp"
+#include "polyscalpel/mesh/surface.hpp"
+
+namespace polyscalpel {
+namespace {
+
+constexpr std::size_t kMostAbsorbed = 4;  ///< vertices of a thin component that may join the cut
+constexpr double kAbsorbDistance = 2;     ///< how far they may be from it, in snap distances
+
+/// Crossed edges and snapped corners may not leave a part of an edge shorter than this times its length:
+/// rounding.
+constexpr double kSmallestEdgePart = 1e-9;
+
+/// The vertices of a cell that hang together through uncrossed edges; snapped vertices belong to none.
+std::vector<std::vector<VertexId>> findComponents(const PolyhedralMesh& mesh, const Crossings& crossings,
+                                                  CellId cell) {
+  const auto& vertices = mesh.cell(cell).vertices;
+  std::unordered_map<VertexId, std::vector<VertexId>> joined;
+  for (const VertexId v : vertices) {
+    if (!crossings.isSnapped(cell, v)) joined[v];
+  }
+  for (const Edge& edge : mesh.edges(cell)) {
+    const auto a = joined.find(edge.first), b = joined.find(edge.second);
+    if (a == joined.end() || b == joined.end() || crossings.find(cell, edge)) continue;
+    a->second.push_back(edge.second);
+    b->second.push_back(edge.first);
+  }
+  std::vector<std::vector<VertexId>> components;
+  std::set<VertexId> seen;
+  for (const VertexId start : vertices) {
+    if (!joined.count(start) || !seen.insert(start).second) continue;
+    std::vector<VertexId> component{start};
+    for (std::size_t i = 0; i < component.size(); ++i) {
+      for (const VertexId next : joined[component[i]]) {
+        if (seen.insert(next).second) component.push_back(next);
+      }
+    }
+    std::sort(component.begin(), component.end());
+    components.push_back(std::move(component));
+  }
+  std::stable_sort(components.begin(), components.end(),
+                   [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  return components;
+}
+
+/// Divides one cell along the border of one component.
+class CellSplit {
+ public:
+  CellSplit(MeshEditor& editor, const Crossings& crossings, CellId cell,
+            const std::vector<VertexId>& component)
+      : editor_(editor), crossings_(crossings), cell_(cell), component_(component.begin(), component.end()) {}
+
+  /// The mesh is to be rolled back by the caller where this fails.
+  bool run(int cut) {
+    splitCrossedEdges();
+    if (!splitFaces() || !findCap()) return false;
+    const auto split = editor_.splitCell(cell_, first_faces_, cap_loop_, cut);
+    first = split.first;
+    second = split.second;
+    cap = split.cap;
+    touched_.insert(first);
+    touched_.insert(second);
+    touched_.erase(cell_);
+    return std::all_of(touched_.begin(), touched_.end(), [&](CellId id) { return isSound(id); });
+  }
+
+  CellId first, second;
+  FaceId cap;
+  /// Side of the blade's surface on which the first part lies.
+  int firstSide() const { return side_votes_ >= 0 ? 1 : -1; }
+  const std::vector<VertexId>& capLoop() const { return cap_loop_; }
+  const std::vector<std::pair<Edge, VertexId>>& splitEdges() const { return split_edges_; }
+
+ private:
+  const PolyhedralMesh& mesh() const { return editor_.mesh(); }
+  bool isInComponent(VertexId v) const { return component_.count(v) > 0; }
+  bool isOnCut(VertexId v) const {
+    return middles_.count(v) || (!isInComponent(v) && crossings_.isSnapped(cell_, v));
+  }
+
+  void splitCrossedEdges() {
+    for (const Edge& edge : mesh().edges(cell_)) {
+      const bool first_in = isInComponent(edge.first), second_in = isInComponent(edge.second);
+      if (first_in == second_in || isOnCut(first_in ? edge.second : edge.first)) continue;
+      const Crossings::CrossedEdge* crossed = crossings_.find(cell_, edge);
+      POLYSCALPEL_ASSERT(crossed);
+      side_votes_ += first_in ? -crossed->sign : crossed->sign;
+      for (const CellId around : cellsAroundEdge(mesh(), edge.first, edge.second)) touched_.insert(around);
+      const double weight = std::clamp(crossed->weight, kSmallestEdgePart, 1 - kSmallestEdgePart);
+      const VertexId middle = editor_.splitEdge(edge.first, edge.second, weight);
+      middles_.insert(middle);
+      split_edges_.emplace_back(edge, middle);
+    }
+  }
+
+  /// Cuts the component's vertices off every face that also reaches beyond the cut.
+  bool splitFaces() {
+    std::vector<FaceId> pending = mesh().cell(cell_).faces;
+    while (!pending.empty()) {
+      const FaceId id = pending.back();
+      pending.pop_back();
+      const auto& loop = mesh().face(id).loop;
+      const std::size_t n = loop.size();
+      bool reaches_beyond = false;
+      std::size_t start = n;  // an entry on the cut that is followed by one of the component
+      for (std::size_t i = 0; i < n; ++i) {
+        reaches_beyond |= !isInComponent(loop[i]) && !isOnCut(loop[i]);
+        if (isOnCut(loop[i]) && isInComponent(loop[(i + 1) % n])) start = i;
+      }
+      if (!reaches_beyond || start == n) continue;
+      std::size_t end = start + 1;
+      while (isInComponent(loop[end % n])) ++end;
+      if (!isOnCut(loop[end % n]) || end % n == start) return false;
+      for (const CellId around : mesh().face(id).cells) {
+        if (around.isValid()) touched_.insert(around);
+      }
+      pending.push_back(editor_.splitFace(id, loop[start], loop[end % n]).second);
+    }
+    return true;
+  }
+
+  /// Chains the half-edges between the component's faces and the rest into the one loop that the cap must be.
+  bool findCap() {
+    std::map<Edge, int> count;  // of the component's faces at an edge
+    for (const FaceId id : mesh().cell(cell_).faces) {
+      const auto& loop = mesh().face(id).loop;
+      if (std::none_of(loop.begin(), loop.end(), [&](VertexId v) { return isInComponent(v); })) continue;
+      first_faces_.push_back(id);
+      for (std::size_t i = 0; i < loop.size(); ++i) ++count[makeEdge(loop[i], loop[(i + 1) % loop.size()])];
+    }
+    if (first_faces_.empty() || first_faces_.size() == mesh().cell(cell_).faces.size()) return false;
+
+    std::map<VertexId, VertexId> next;  // against the faces' own direction: counter-clockwise for the cap
+    for (const FaceId id : first_faces_) {
+      const Face& face = mesh().face(id);
+      const bool is_outward = face.cells[0] == cell_;
+      for (std::size_t i = 0; i < face.loop.size(); ++i) {
+        VertexId from = face.loop[i], to = face.loop[(i + 1) % face.loop.size()];
+        if (count[makeEdge(from, to)] != 1) continue;
+        if (!is_outward) std::swap(from, to);
+        if (!isOnCut(from) || !isOnCut(to) || !next.emplace(to, from).second) return false;
+      }
+    }
+    if (next.size() < 3) return false;
+    VertexId at = next.begin()->first;
+    do {
+      cap_loop_.push_back(at);
+      const auto step = next.find(at);
+      if (step == next.end()) return false;
+      at = step->second;
+    } while (at != cap_loop_.front() && cap_loop_.size() <= next.size());
+    if (cap_loop_.size() != next.size()) return false;
+
+    if (side_votes_ == 0) {
+      // No edge was crossed between its ends: the cap goes through snapped vertices alone.
+      for (const auto& [a, b] : mesh().edges(cell_)) {
+        if (next.count(a) && isInComponent(b)) side_votes_ += crossings_.sideOfNeighbour(a, b);
+        if (next.count(b) && isInComponent(a)) side_votes_ += crossings_.sideOfNeighbour(b, a);
+      }
+    }
+    return true;
+  }
+
+  bool isSound(CellId id) const {
+    double size = kInfinity;
+    for (const VertexId v : mesh().cell(id).vertices) size = std::min(size, mesh().localSize(v));
+    const CellSurface surface = makeCellSurface(mesh(), id, mesh().restPositions());
+    return smallestSubTetVolume(surface) > kSmallestRelativeSubTet * size * size * size;
+  }
+
+  MeshEditor& editor_;
+  const Crossings& crossings_;
+  CellId cell_;
+  std::set<VertexId> component_;
+  std::set<VertexId> middles_;
+  std::set<CellId> touched_;
+  std::vector<std::pair<Edge, VertexId>> split_edges_;
+  std::vector<FaceId> first_faces_;
+  std::vector<VertexId> cap_loop_;
+  int side_votes_ = 0;
+};
+
+/// Area of a face [m^2] in the rest shape.
+double area(const PolyhedralMesh& mesh, FaceId id) {
+  const Face& face = mesh.face(id);
+  double sum = 0;
+  for (int i = 0; i < numTriangles(face); ++i) {
+    const Eigen::Matrix3d corners = triangleCorners(face, i, mesh.restPositions());
+    sum +=
+        0.5 * Eigen::Vector3d(corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)).norm();
+  }
+  return sum;
+}
+
+/// Splits cells and collects what has to be opened.
+class Splitter {
+ public:
+  Splitter(MeshEditor& editor, Crossings& crossings, double snap_tolerance, int cut)
+      : editor_(editor), crossings_(crossings), snap_tolerance_(snap_tolerance), cut_(cut) {}
+
+  /// Splits a cell and its parts until nothing in them is disconnected.
+  void splitRepeatedly(CellId start) {
+    std::vector<CellId> pending{start};
+    while (!pending.empty()) {
+      const CellId cell = pending.back();
+      pending.pop_back();
+      auto components = findComponents(mesh(), crossings_, cell);
+      bool is_split = splitOff(cell, components, pending);
+      while (!is_split && components.size() > 1 && absorb(cell, components)) {
+        components = findComponents(mesh(), crossings_, cell);
+        is_split = splitOff(cell, components, pending);
+      }
+      if (!is_split && components.size() > 1) counts.left_whole.push_back(cell);
+    }
+  }
+
+  /// Opens faces that lie in the slit between cells on its two sides, then separates the vertices.
+  void openSlit(const std::function<bool(CellId)>& is_ready) {
+    const std::vector<VertexId> vertices(crossings_.openVertices().begin(), crossings_.openVertices().end());
+    std::set<FaceId> faces;
+    for (const VertexId vertex : vertices) {
+      bool is_done = true;
+      for (const FaceId id : mesh().facesAround(vertex)) {
+        const Face& face = mesh().face(id);
+        if (face.isBoundary()) continue;
+        if (!is_ready(face.cells[0]) || !is_ready(face.cells[1])) {
+          is_done = false;
+        } else if (crossings_.isInSlit(face)) {
+          faces.insert(id);
+        }
+      }
+      if (is_done) crossings_.release(vertex);
+    }
+    for (const FaceId id : faces) {
+      const Face& face = mesh().face(id);
+      const int sides =
+          crossings_.sideOf(mesh(), face.cells[0], id) * crossings_.sideOf(mesh(), face.cells[1], id);
+      if (sides < 0) caps_.push_back(id);
+    }
+    std::set<VertexId> opened;
+    for (const FaceId id : caps_) {
+      if (mesh().face(id).isBoundary()) continue;
+      counts.cap_area_m2 += area(mesh(), id);
+      opened.insert(mesh().face(id).loop.begin(), mesh().face(id).loop.end());
+      editor_.openFace(id, cut_);
+    }
+    for (const VertexId vertex : opened) editor_.separateVertex(vertex);
+  }
+
+  SplitCounts counts;
+
+ private:
+  const PolyhedralMesh& mesh() const { return editor_.mesh(); }
+
+  bool splitOff(CellId cell, const std::vector<std::vector<VertexId>>& components,
+                std::vector<CellId>& parts) {
+    if (components.size() < 2) return false;
+    for (const auto& component : components) {
+      const std::size_t savepoint = editor_.savepoint();
+      CellSplit split(editor_, crossings_, cell, component);
+      if (!split.run(cut_)) {
+        editor_.rollBackTo(savepoint);
+        continue;
+      }
+      for (const auto& [edge, middle] : split.splitEdges()) crossings_.recordSplitEdge(edge, middle);
+      crossings_.recordSplitCell(cell, split.first, split.second, split.capLoop(), split.firstSide());
+      caps_.push_back(split.cap);
+      parts.push_back(split.first);
+      parts.push_back(split.second);
+      ++counts.cells_split;
+      return true;
+    }
+    return false;
+  }
+
+  /// Lets the first thin component join the cut. Returns whether there was one.
+  bool absorb(CellId cell, const std::vector<std::vector<VertexId>>& components) {
+    for (const auto& component : components) {
+      if (component.size() > kMostAbsorbed) continue;
+      std::vector<std::pair<VertexId, int>> sides;
+      for (const VertexId v : component) {
+        const std::optional<int> side = sideIfThin(cell, v);
+        if (side) sides.emplace_back(v, *side);
+      }
+      if (sides.size() != component.size()) continue;
+      for (const auto& [v, side] : sides) crossings_.snap(mesh(), v, side);
+      return true;
+    }
+    return false;
+  }
+
+  /// Side of the cut on which a vertex lies that is no further from it than may be absorbed.
+  std::optional<int> sideIfThin(CellId cell, VertexId v) const {
+    const double reach = kAbsorbDistance * snap_tolerance_ * mesh().localSize(v);
+    std::optional<int> side;
+    for (const auto& [a, b] : mesh().edges(cell)) {
+      if (a != v && b != v) continue;
+      const VertexId other = a == v ? b : a;
+      const double length = (mesh().restPosition(b) - mesh().restPosition(a)).norm();
+      if (const auto* crossed = crossings_.find(cell, {a, b})) {
+        if (length * (a == v ? crossed->weight : 1 - crossed->weight) < reach)
+          side = a == v ? -crossed->sign : crossed->sign;
+      } else if (!side && crossings_.isSnapped(cell, other) && length < reach) {
+        side = crossings_.sideOfNeighbour(other, v);
+      }
+    }
+    return side;
+  }
+
+  MeshEditor& editor_;
+  Crossings& crossings_;
+  double snap_tolerance_;
+  int cut_;
+  std::vector<FaceId> caps_;
+};
+
+}  // namespace
+
+SplitCounts splitCells(MeshEditor& editor, Crossings& crossings, const std::vector<CellId>& candidates,
+                       const std::function<bool(CellId)>& is_ready, double snap_tolerance, int cut) {
+  Splitter splitter(editor, crossings, snap_tolerance, cut);
+  for (const CellId cell : candidates) {
+    if (is_ready(cell)) splitter.splitRepeatedly(cell);
+  }
+  splitter.openSlit(is_ready);
+  splitter.counts.cells_left_whole = static_cast<int>(splitter.counts.left_whole.size());
+  return splitter.counts;
+}
+
+}  // namespace polyscalpel
