@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Apart from the node, because the message CutEvent and the simulation's own CutEvent cannot be seen in one
+// file.
+#pragma once
+
+#include <string>
+
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+#include <ros/time.h>
+
+#include "polyscalpel/cutting/cut_mesh.hpp"
+
+namespace polyscalpel {
+
+/// Publishes changes of topology on `cut_events`.
+class CutEventPublisher {
+ public:
+  CutEventPublisher(ros::NodeHandle& node_handle, std::string world_frame);
+
+  /// mesh: after the cut. source: name of the tool, or "service". time_s: simulated time.
+  void publish(const CutResult& result, const PolyhedralMesh& mesh, const std::string& source,
+               const ros::Time& stamp, double time_s) const;
+
+ private:
+  ros::Publisher publisher_;
+  std::string world_frame_;
+};
+
+}  // namespace polyscalpel

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/ros_bridge/parameters.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include <ros/names.h>
+
+#include "polyscalpel/ros_bridge/resource_path.hpp"
+
+namespace polyscalpel {
+namespace {
+
+constexpr double kLargeCount = 2147483647;
+const Range kRatio{0, 1};
+const Range kNothingNegativeInt{0, kLargeCount};
+
+/// Path of a mesh file named in the scene, as an existing file.
+std::string findMesh(YamlMap& map, const std::string& key, const std::vector<std::string>& folders) {
+  map.require(key);
+  std::string path;
+  map.text(key, path, "the path of a mesh file");
+  try {
+    return findResource(path, folders);
+  } catch (const std::invalid_argument& exception) {
+    map.refuse(key, std::string("must be an existing file: ") + exception.what());
+  }
+}
+
+MeshConfig readMesh(YamlMap mesh, const std::vector<std::string>& folders) {
+  const std::string kind = mesh.oneOf({"box", "ball", "file"});
+  mesh.finish();
+  YamlMap map = mesh.map(kind);
+  if (kind == "box") {
+    BoxMeshConfig config;
+    map.numbers("lowest_m", config.lowest_m, kAnyNumber);
+    map.numbers("size_m", config.size_m, kPositive);
+    map.integers("counts", config.counts, {1, 200});
+    map.boolean("tetrahedra", config.tetrahedra);
+    map.finish();
+    return config;
+  }
+  if (kind == "ball") {
+    BallMeshConfig config;
+    map.numbers("centre_m", config.centre_m, kAnyNumber);
+    map.number("radius_m", config.radius_m, kPositive);
+    map.integer("half_count", config.half_count, {1, 40});
+    map.finish();
+    return config;
+  }
+  MeshFileConfig config;
+  config.path = findMesh(map, "path", folders);
+  map.number("scale", config.scale, kPositive);
+  map.number("cell_size_m", config.cell_size_m, kNotNegative);
+  map.finish();
+  return config;
+}
+
+FixedRegion readFixed(YamlMap fixed) {
+  const std::string kind = fixed.oneOf({"box", "sphere", "vertices"});
+  if (kind == "vertices") {
+    FixedVertices region;
+    fixed.integerList("vertices", region.vertices, kNothingNegativeInt);
+    fixed.finish();
+    return region;
+  }
+  fixed.finish();
+  YamlMap map = fixed.map(kind);
+  if (kind == "sphere") {
+    FixedSphere region;
+    map.require("radius_m");
+    map.numbers("centre_m", region.centre_m, kAnyNumber);
+    map.number("radius_m", region.radius_m, kPositive);
+    map.finish();
+    return region;
+  }
+  FixedBox region;
+  map.require("lowest_m");
+  map.require("highest_m");
+  map.numbers("lowest_m", region.lowest_m, kAnyNumber);
+  map.numbers("highest_m", region.highest_m, kAnyNumber);
+  if (!(region.lowest_m.array() <= region.highest_m.array()).all())
+    map.refuse("highest_m", "no component may be below that of lowest_m");
+  map.finish();
+  return region;
+}
+
+/// key: of the kind, in a map that may hold other keys as well.
+ShapeConfig readShape(YamlMap& shape, const std::vector<std::string>& folders) {
+  const std::string name = shape.oneOf({"sphere", "capsule", "box", "cylinder", "mesh"});
+  YamlMap map = shape.map(name);
+  ShapeConfig config;
+  if (name == "mesh") {
+    config.kind = ShapeKind::kMesh;
+    config.path = findMesh(map, "path", folders);
+    map.number("scale", config.scale, kPositive);
+  } else if (name == "box") {
+    config.kind = ShapeKind::kBox;
+    map.numbers("size_m", config.size_m, kPositive);
+  } else {
+    config.kind = name == "sphere"    ? ShapeKind::kSphere
+                  : name == "capsule" ? ShapeKind::kCapsule
+                                      : ShapeKind::kCylinder;
+    map.number("radius_m", config.radius_m, kPositive);
+    if (name != "sphere") map.number("length_m", config.length_m, kPositive);
+  }
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
+  map.numbers("offset_m", offset_m, kAnyNumber);
+  config.T_tool_shape.translation() = offset_m;
+  config.T_tool_shape.linear() = readOrientation(map, "orientation_xyzw").toRotationMatrix();
+  map.finish();
+  return config;
+}
+
+void readColour(YamlMap& map, const std::string& key, Rgba& colour) {
+  map.numbers(key, colour, kRatio);
+}
+
+void requireName(YamlMap& map, const std::string& key, const std::string& name, const std::string& rule) {
+  std::string why;
+  if (name.empty() || !ros::names::validate(name, why)) map.refuse(key, "must be " + rule);
+}
+
+void readTool(YamlMap tool, const std::vector<std::string>& folders, ToolConfig& config,
+              ToolInputConfig& input) {
+  const std::string kNameRule = "a ROS name of letters, digits and _";
+  tool.text("name", config.name, kNameRule);
+  requireName(tool, "name", config.name, kNameRule);
+  if (config.name.find_first_of("/~") != std::string::npos) tool.refuse("name", "must be " + kNameRule);
+  if (tool.has("shape")) {
+    YamlMap shape = tool.map("shape");
+    config.shape = readShape(shape, folders);
+    shape.finish();
+  }
+  if (tool.has("blade_edge_m")) {
+    Eigen::Matrix3Xd edge;
+    tool.points("blade_edge_m", edge, 2);
+    config.blade_edge_tool = edge;
+  }
+  tool.number("max_jump_m", config.max_jump_m, kPositive);
+
+  tool.text("follow_frame", input.follow_frame, "a tf frame, or empty");
+  if (!input.follow_frame.empty() && input.follow_frame.front() == '/')
+    tool.refuse("follow_frame", "must be a tf frame without a leading slash");
+  tool.text("topic", input.topic, "a ROS name; empty: <name>/measured_cp");
+  if (!input.topic.empty()) requireName(tool, "topic", input.topic, "a ROS name");
+  if (!input.topic.empty() && !input.follow_frame.empty())
+    tool.refuse("topic", "must not be given beside follow_frame");
+  if (input.topic.empty() && input.follow_frame.empty()) input.topic = config.name + "/measured_cp";
+  tool.text("frame", input.frame, "a tf frame; empty: the tool's name, or follow_frame");
+  if (!input.frame.empty() && input.frame.front() == '/')
+    tool.refuse("frame", "must be a tf frame without a leading slash");
+  if (!input.follow_frame.empty()) {
+    if (!input.frame.empty()) tool.refuse("frame", "must not be given beside follow_frame");
+    input.frame = input.follow_frame;
+  } else if (input.frame.empty()) {
+    input.frame = config.name;
+  }
+  tool.boolean("broadcast_tf", input.broadcast_tf);
+  if (!input.follow_frame.empty()) input.broadcast_tf = false;
+  readColour(tool, "colour_rgba", input.colour_rgba);
+  for (YamlMap& display : tool.maps("display")) {
+    DisplayShape shape;
+    shape.shape = readShape(display, folders);
+    readColour(display, "colour_rgba", shape.colour_rgba);
+    display.finish();
+    input.display.push_back(shape);
+  }
+  tool.finish();
+}
+
+void readIntegration(YamlMap map, IntegrationConfig& config) {
+  std::string mode = "dynamic";
+  map.choice("mode", mode, {"dynamic", "static"});
+  config.mode = mode == "static" ? AnalysisMode::kStatic : AnalysisMode::kDynamic;
+  map.number("time_step_s", config.time_step_s, {1e-6, 1});
+  map.number("mass_damping_per_s", config.mass_damping_per_s, kNotNegative);
+  map.number("stiffness_damping_s", config.stiffness_damping_s, kNotNegative);
+  map.numbers("gravity_m_s2", config.gravity_m_s2, kAnyNumber);
+  map.integer("contact_iterations", config.contact_iterations, {1, 20});
+  map.number("mass_floor", config.mass_floor, kRatio);
+  map.finish();
+}
+
+void readElement(YamlMap map, ElementConfig& config) {
+  std::string points = std::to_string(config.quadrature_points);
+  map.choice("quadrature_points", points, {"1", "4", "11"});
+  config.quadrature_points = std::stoi(points);
+  map.number("stabilisation_scale", config.stabilisation_scale, kPositive);
+  map.boolean("consistent_mass", config.consistent_mass);
+  map.boolean("corotated", config.corotated);
+  map.finish();
+}
+
+void readMaterial(YamlMap map, IsotropicMaterial& material) {
+  map.number("youngs_modulus_pa", material.youngs_modulus_pa, kPositive);
+  map.number("poisson_ratio", material.poisson_ratio, {-1, 0.5, true, true});
+  map.number("density_kg_m3", material.density_kg_m3, kPositive);
+  map.finish();
+}
+
+CuttingConfig readCutting(YamlMap map) {
+  CuttingConfig config;
+  map.number("snap_tolerance", config.snap_tolerance, {1e-6, 0.2});
+  map.number("hold_back", config.hold_back, {0, 2});
+  map.number("max_travel", config.max_travel, {0, 1, true, false});
+  map.number("fracture_toughness_j_m2", config.fracture_toughness_j_m2, {0, 1e5});
+  map.finish();
+  return config;
+}
+
+ContactConfig readContact(YamlMap map) {
+  ContactConfig config;
+  map.number("stiffness_pa_m", config.stiffness_pa_m, kPositive);
+  map.number("damping_pa_s_m", config.damping_pa_s_m, kNotNegative);
+  map.number("friction_coefficient", config.friction_coefficient, {0, 10});
+  map.number("friction_speed_m_s", config.friction_speed_m_s, kPositive);
+  map.number("margin_m", config.margin_m, kPositive);
+  map.finish();
+  return config;
+}
+
+void readNode(YamlMap map, NodeConfig& config) {
+  std::string clock = "realtime";
+  map.choice("clock", clock, {"realtime", "lockstep"});
+  config.clock = clock == "lockstep" ? ClockMode::kLockstep : ClockMode::kRealtime;
+  map.text("world_frame", config.world_frame, "a tf frame");
+  map.text("tissue_frame", config.tissue_frame, "a tf frame");
+  for (const auto& [key, frame] : {std::pair<std::string, std::string>("world_frame", config.world_frame),
+                                   std::pair<std::string, std::string>("tissue_frame", config.tissue_frame)})
+    if (frame.front() == '/') map.refuse(key, "must be a tf frame without a leading slash");
+  if (config.tissue_frame == config.world_frame) map.refuse("tissue_frame", "must differ from world_frame");
+  map.boolean("start_paused", config.start_paused);
+  map.number("tool_timeout_s", config.tool_timeout_s, {0, 3600, true, false});
+  map.number("tf_timeout_s", config.tf_timeout_s, {0, 3600});
+  map.number("clock_jump_s", config.clock_jump_s, {0, 3600, true, false});
+  map.number("longest_gap_s", config.longest_gap_s, {0, 1e6, true, false});
+  map.number("mesh_rate_hz", config.mesh_rate_hz, {0, 1000, true, false});
+  map.boolean("wireframe", config.wireframe);
+  map.boolean("piece_labels", config.piece_labels);
+  map.number("contact_arrow_m_per_n", config.contact_arrow_m_per_n, {0, 1000, true, false});
+  readColour(map, "surface_colour_rgba", config.surface_colour_rgba);
+  readColour(map, "cut_colour_rgba", config.cut_colour_rgba);
+  map.finish();
+}
+
+/// Frames that one tree of tf cannot hold twice.
+void requireDistinctFrames(YamlMap& scene, const SceneParameters& parameters) {
+  std::vector<std::string> frames = {parameters.node.world_frame, parameters.node.tissue_frame};
+  for (std::size_t i = 0; i < parameters.tools.size(); ++i) {
+    const std::string& frame = parameters.tools[i].frame;
+    for (const std::string& other : frames)
+      if (frame == other && parameters.tools[i].follow_frame.empty())
+        scene.refuse("tools", "the frame \"" + frame + "\" of tool " + parameters.simulation.tools[i].name +
+                                  " must differ from every other tool's, the world's and the tissue's");
+    frames.push_back(frame);
+  }
+}
+
+}  // namespace
+
+Eigen::Quaterniond readOrientation(YamlMap& map, const std::string& key) {
+  Eigen::Vector4d xyzw(0, 0, 0, 1);
+  map.numbers(key, xyzw, {-1.001, 1.001});
+  if (std::abs(xyzw.norm() - 1) > 1e-3)
+    map.refuse(key, "must be a unit quaternion, its norm within 1e-3 of 1");
+  return Eigen::Quaterniond(xyzw).normalized();
+}
+
+SceneParameters readScene(YamlMap& scene, const std::vector<std::string>& mesh_folders) {
+  SceneParameters parameters;
+  SimulationConfig& simulation = parameters.simulation;
+  simulation.mesh = readMesh(scene.map("mesh"), mesh_folders);
+  if (scene.has("material")) readMaterial(scene.map("material"), simulation.material);
+  if (scene.has("element")) readElement(scene.map("element"), simulation.element);
+  for (YamlMap& fixed : scene.maps("fixed")) simulation.fixed.push_back(readFixed(fixed));
+  if (scene.has("integration")) readIntegration(scene.map("integration"), simulation.integration);
+  if (scene.has("cutting")) simulation.cutting = readCutting(scene.map("cutting"));
+  if (scene.has("contact")) simulation.contact = readContact(scene.map("contact"));
+  for (YamlMap& tool : scene.maps("tools")) {
+    simulation.tools.emplace_back();
+    parameters.tools.emplace_back();
+    readTool(tool, mesh_folders, simulation.tools.back(), parameters.tools.back());
+  }
+  if (scene.has("node")) readNode(scene.map("node"), parameters.node);
+  scene.finish();
+  requireDistinctFrames(scene, parameters);
+  try {
+    validate(simulation);
+  } catch (const std::invalid_argument& exception) {
+    throw std::invalid_argument(scene.document().file + ": " + exception.what());
+  }
+  return parameters;
+}
+
+SceneParameters loadScene(const std::string& file, const std::vector<std::string>& mesh_folders) {
+  std::vector<std::string> folders = {std::filesystem::path(file).parent_path().string()};
+  folders.insert(folders.end(), mesh_folders.begin(), mesh_folders.end());
+  YamlMap scene = YamlMap::load(file);
+  return readScene(scene, folders);
+}
+
+}  // namespace polyscalpel
