@@ -19,11 +19,12 @@ struct Contact {
   std::vector<WeightedVertex> weights;  ///< of the tissue's contact point on the face's vertices; sum 1
   Eigen::Vector3d point_world;          ///< the contact point on the tissue's surface [m]
   Eigen::Vector3d normal_world;         ///< unit, the direction in which the tool pushes the tissue
-  double gap_m = 0;                     ///< distance between tool and tissue along the normal, negative in overlap
-  double area_m2 = 0;                   ///< part of the surface that the contact stands for
+  double gap_m = 0;    ///< distance between tool and tissue along the normal, negative in overlap
+  double area_m2 = 0;  ///< part of the surface that the contact stands for
 };
 
-/// The tissue's boundary faces as patches of about 200 triangles, each a bounding volume tree, in a broad-phase manager.
+/// The tissue's boundary faces as patches of about 200 triangles, each a bounding volume tree, in a
+/// broad-phase manager.
 class TissueSurface {
  public:
   TissueSurface(const PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
@@ -32,13 +33,16 @@ class TissueSurface {
   TissueSurface& operator=(TissueSurface&&) noexcept;
 
   /// Follows a change of the mesh: only the touched patches are rebuilt. positions: of the changed mesh.
-  void update(const PolyhedralMesh& mesh, const MeshChange& change, const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
+  void update(const PolyhedralMesh& mesh, const MeshChange& change,
+              const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
   /// Follows a motion of the vertices.
   void refit(const PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
-  /// Contacts with gap < margin_m, in a reproducible order (by face, then triangle). positions as in the last refit.
-  std::vector<Contact> findContacts(const PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+  /// Contacts with gap < margin_m, in a reproducible order (by face, then triangle). positions as in the last
+  /// refit.
+  std::vector<Contact> findContacts(const PolyhedralMesh& mesh,
+                                    const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
                                     const ToolShape& shape, const Eigen::Isometry3d& T_world_tool,
                                     double margin_m) const;
 

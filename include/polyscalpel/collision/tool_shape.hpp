@@ -13,11 +13,11 @@ enum class ShapeKind { kSphere, kCapsule, kBox, kCylinder, kMesh };
 /// Shape of a tool's rigid body, centred on its own frame; capsule and cylinder lie along z.
 struct ShapeConfig {
   ShapeKind kind = ShapeKind::kSphere;
-  double radius_m = 0.005;                                      ///< sphere, capsule, cylinder: > 0
-  double length_m = 0.02;                                       ///< capsule (between the centres of its caps), cylinder: > 0
-  Eigen::Vector3d size_m = Eigen::Vector3d::Constant(0.01);     ///< box: full edge lengths, each > 0
-  std::string path;                                             ///< mesh: a closed triangle surface, .stl .obj .ply .off
-  double scale = 1;                                             ///< mesh: file units to metres, > 0
+  double radius_m = 0.005;  ///< sphere, capsule, cylinder: > 0
+  double length_m = 0.02;   ///< capsule (between the centres of its caps), cylinder: > 0
+  Eigen::Vector3d size_m = Eigen::Vector3d::Constant(0.01);  ///< box: full edge lengths, each > 0
+  std::string path;  ///< mesh: a closed triangle surface, .stl .obj .ply .off
+  double scale = 1;  ///< mesh: file units to metres, > 0
   Eigen::Isometry3d T_tool_shape = Eigen::Isometry3d::Identity();
 };
 

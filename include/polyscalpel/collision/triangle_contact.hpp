@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Contact of one triangle of the tissue's surface with a convex tool. The triangle's outside is where its
+// corners go counter-clockwise; the tissue lies behind it. Everything in the shape's frame.
+//
+// Direction. Apart, tool and triangle are joined by their closest points. In overlap the direction is the
+// shortest way out of the tool for the whole triangle, so a thin blade that presses with its edge pushes
+// ahead, and one that lies in a slit pushes sideways. A surface can be pushed only towards its tissue:
+//   (a) the direction points inward, whatever the tool's shape: it stands;
+//   (b) it points outward by more than 60 degrees off the surface: in overlap, the tool has sunk in by more
+//   than half,
+//       or both ways out are equal (the flanks of a slit on the middle of a blade). The triangle is pushed
+//       along its inward normal, unless more than nine tenths of the tool's extent along the normal are
+//       inside already: then the tool pokes at the surface from within;
+//   (c) everything else (a tool beneath the surface, the far side of the body, a surface edge-on to the push)
+//   is no
+//       contact.
+//
+// Area. The contact stands for the part of the triangle inside the tool (moved to overlap by a twentieth of
+// the margin where it does not yet), as seen along the direction: never more than the tool's cross-section on
+// a large triangle, and on small ones the sum is the touched surface, so that the force converges as the mesh
+// is refined. The gap is the mean of the gap along the direction over that part. Round sections are polygons
+// of 16 corners and equal area (to 1 %).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "polyscalpel/collision/convex_shape.hpp"
+
+namespace polyscalpel {
+
+/// How tool and triangle lie to each other.
+struct TriangleGap {
+  double gap = 0;          ///< distance [m]; in overlap minus the length of the way out along the normal
+  Eigen::Vector3d normal;  ///< unit, from the tool to the triangle; in overlap the way out of the tool
+};
+
+/// Distance and direction between tool and triangle (corners: one column each), without regard to inside and
+/// outside. Apart: exact to about 1e-12 of the sizes. In overlap the gap is that of a translation along the
+/// normal which frees the triangle; the shortest such for sphere, capsule and box; for the cylinder the
+/// shortest of the directions of its axis, its radii towards the triangle's features, the triangle's normal
+/// and 16 positions of its rim against each edge, so it may be a few percent longer than the shortest.
+/// Nothing for a gap of margin or more, or a triangle without area.
+std::optional<TriangleGap> triangleGap(const ConvexShape& shape, const Eigen::Matrix3d& corners,
+                                       double margin);
+
+/// The same, by the rules (a) to (c) above: the direction in which the tool pushes the tissue.
+std::optional<TriangleGap> pushOnTriangle(const ConvexShape& shape, const Eigen::Matrix3d& corners,
+                                          double margin);
+
+/// A part of a triangle in contact.
+struct TriangleContact {
+  Eigen::Vector3d barycentric;  ///< of the contact point, sum 1
+  Eigen::Vector3d normal;       ///< unit, the direction in which the tool pushes the tissue
+  double gap = 0;               ///< [m], mean over the part
+  double area = 0;              ///< [m^2], as seen along the normal
+};
+
+/// Appends up to three contacts of the triangle, each with gap < margin: three so that the triangle cannot
+/// tilt freely.
+void appendContacts(const ConvexShape& shape, const Eigen::Matrix3d& corners, double margin,
+                    std::vector<TriangleContact>& contacts);
+
+}  // namespace polyscalpel
