@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures of a recorded bag in rviz, on a virtual screen with software rendering."""
+
+import os
+import subprocess
+import time
+
+import rosgraph
+
+SCREEN = "1280x900x24"
+
+
+class PictureError(Exception):
+    """A picture could not be made."""
+
+
+def run(command, what, timeout_s, **options):
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s, check=False, **options)
+    except subprocess.TimeoutExpired:
+        raise PictureError(f"{what} took more than {timeout_s} s") from None
+    if done.returncode != 0:
+        raise PictureError(f"{what}: {done.stderr.strip() or done.stdout.strip()}")
+    return done.stdout
+
+
+def wait_until(condition, what, children, timeout_s=60):
+    deadline = time.monotonic() + timeout_s
+    while not condition():
+        ended = children.ended()
+        if ended:
+            raise PictureError(f"{ended[0]} ended with status {ended[1]}, see {children.log_path(ended[0])}")
+        if time.monotonic() > deadline:
+            raise PictureError(f"{what} took more than {timeout_s} s")
+        time.sleep(0.1)
+
+
+def start_screen(children):
+    """A virtual screen; returns its name for DISPLAY. The server itself picks a number that is free."""
+    reading, writing = os.pipe()
+    children.start("xvfb", ["Xvfb", "-displayfd", str(writing), "-screen", "0", SCREEN, "+extension", "GLX", "-nolisten",
+                            "tcp", "-noreset"], pass_fds=[writing])
+    os.close(writing)
+    with os.fdopen(reading) as pipe:  # ends when the server does
+        number = pipe.readline().strip()
+    if not number:
+        raise PictureError(f"Xvfb did not start, see {children.log_path('xvfb')}")
+    return f":{number}"
+
+
+def has_master():
+    try:
+        rosgraph.Master("/demo").getPid()
+        return True
+    except (OSError, rosgraph.MasterException):
+        return False
+
+
+def shows_mesh():
+    try:
+        subscribers = rosgraph.Master("/demo").getSystemState()[1]
+    except (OSError, rosgraph.MasterException):
+        return False
+    return any(topic == "/mesh" for topic, _ in subscribers)
+
+
+def is_picture(path):
+    """Whether a picture shows more than a window without content: rviz draws thousands of colours."""
+    return int(run(["identify", "-format", "%k", path], "identify", 30)) > 500
+
+
+def take(path, environment):
+    """Takes the screen once rviz has drawn what it got last."""
+    time.sleep(2)
+    for _ in range(10):
+        run(["import", "-window", "root", path], "import", 30, env=environment)
+        if is_picture(path):
+            return
+        time.sleep(1)
+    raise PictureError(f"rviz shows nothing: {path}")
+
+
+def make_pictures(children, launch_command, bag, pictures):
+    """pictures: (seconds after the bag's start, or None for its end; path of the picture), by time."""
+    display = start_screen(children)
+    environment = dict(os.environ, DISPLAY=display, LIBGL_ALWAYS_SOFTWARE="1", QT_X11_NO_MITSHM="1",
+                       XDG_RUNTIME_DIR=os.path.dirname(children.log_path("x")))
+    environment.pop("WAYLAND_DISPLAY", None)
+    environment["QT_QPA_PLATFORM"] = "xcb"
+    children.start("rviz", launch_command, env=environment)
+    wait_until(has_master, "the start of the master", children)
+    wait_until(shows_mesh, "the start of rviz", children)
+    time.sleep(3)
+    start_s = 0.0
+    for end_s, path in pictures:
+        command = ["rosbag", "play", "--quiet", "--clock", "--hz=100", "--rate=4", "--delay=1", f"--start={start_s}"]
+        if end_s is not None:
+            command.append(f"--duration={end_s - start_s}")
+        run(command + [bag], "rosbag play", 600, stdin=subprocess.DEVNULL)
+        take(path, environment)
+        start_s = end_s
