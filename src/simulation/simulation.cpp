@@ -2,6 +2,7 @@
 #include "polyscalpel/simulation/simulation.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -355,17 +356,19 @@ StepReport Simulation::step(const std::vector<std::optional<Eigen::Isometry3d>>&
     if (T_world_tool[i]) requirePose(i, *T_world_tool[i]);
   }
   StepReport report;
-  const StageTimer timer(report.times.total_s);
-  report.tools.resize(s.tools.size());
-  for (std::size_t i = 0; i < s.tools.size(); ++i) {
-    if (!T_world_tool[i]) continue;
-    const std::optional<Eigen::Isometry3d>& T_start = s.tools[i].T_world_tool;
-    report.tools[i].enabled = true;
-    report.tools[i].reseated = !T_start || longestWay(s.tools[i], s.config.tools[i], *T_start,
-                                                      *T_world_tool[i]) > s.config.tools[i].max_jump_m;
+  {
+    const StageTimer timer(report.times.total_s);
+    report.tools.resize(s.tools.size());
+    for (std::size_t i = 0; i < s.tools.size(); ++i) {
+      if (!T_world_tool[i]) continue;
+      const std::optional<Eigen::Isometry3d>& T_start = s.tools[i].T_world_tool;
+      report.tools[i].enabled = true;
+      report.tools[i].reseated = !T_start || longestWay(s.tools[i], s.config.tools[i], *T_start,
+                                                        *T_world_tool[i]) > s.config.tools[i].max_jump_m;
+    }
+    report.converged = s.isDynamic() ? s.stepDynamic(T_world_tool, report) : s.stepStatic(report);
+    if (report.converged) ++s.step_count;
   }
-  report.converged = s.isDynamic() ? s.stepDynamic(T_world_tool, report) : s.stepStatic(report);
-  if (report.converged) ++s.step_count;
   return report;
 }
 

@@ -33,18 +33,47 @@ using Sparse = std::unique_ptr<cholmod_sparse, SparseDeleter>;
 using Dense = std::unique_ptr<cholmod_dense, DenseDeleter>;
 using Factor = std::unique_ptr<cholmod_factor, FactorDeleter>;
 
-// OpenBLAS splits work by the number of its threads, and so the order of its sums: with one, replays on
-// machines with other numbers of cores give the same bits. It is also the quicker choice for our front sizes.
-// Looked up at run time, because any BLAS may stand behind CHOLMOD.
-void holdBlasToOneThread() {
-  using SetNumThreads = void (*)(int);
-  static const bool done = [] {
-    if (const auto set = reinterpret_cast<SetNumThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads")))
-      set(1);
-    return true;
-  }();
-  static_cast<void>(done);
+template <class Function>
+Function findInProcess(const char* name) {
+  return reinterpret_cast<Function>(dlsym(RTLD_DEFAULT, name));
 }
+
+// Keeps BLAS and CHOLMOD to the calling thread. OpenBLAS splits work by the number of its threads, and so the
+// order of its sums: with one, machines with other numbers of cores give the same bits. CHOLMOD asks OpenMP
+// for four threads, which on fewer cores wait for each other; at the depth of zero set here and taken back
+// afterwards it gets none. Both are looked up at run time, because any BLAS may stand behind CHOLMOD.
+// OpenBLAS's number is the process's and stays.
+class OneThread {
+ public:
+  OneThread() {
+    static const auto set_blas_threads = findInProcess<void (*)(int)>("openblas_set_num_threads");
+    static const auto get_blas_threads = findInProcess<int (*)()>("openblas_get_num_threads");
+    if (set_blas_threads && get_blas_threads && get_blas_threads() != 1) set_blas_threads(1);
+    if (!canLimitDepth()) return;
+    depth_before_ = getDepth()();
+    setDepth()(0);
+  }
+  ~OneThread() {
+    if (canLimitDepth()) setDepth()(depth_before_);
+  }
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
+
+ private:
+  using GetDepth = int (*)();
+  using SetDepth = void (*)(int);
+  static GetDepth getDepth() {
+    static const auto function = findInProcess<GetDepth>("omp_get_max_active_levels");
+    return function;
+  }
+  static SetDepth setDepth() {
+    static const auto function = findInProcess<SetDepth>("omp_set_max_active_levels");
+    return function;
+  }
+  static bool canLimitDepth() { return getDepth() && setDepth(); }
+
+  int depth_before_ = 1;
+};
 
 enum class Ordering { kUndecided, kMinimumDegree, kNestedDissection };
 
@@ -71,6 +100,7 @@ struct DirectSolver::Impl {
   cholmod_common common;
   std::vector<int> free_index;  // of each vertex; -1 where fixed
   int num_free = 0;
+  Ordering ordering = Ordering::kUndecided;
   Sparse matrix;  // lower part, 3 num_free square
   Factor factor;
   Dense rhs;
@@ -206,17 +236,23 @@ SolveStatus DirectSolver::analyse(const BlockPattern& pattern, const std::vector
   }
   if (s.num_free == 0) return SolveStatus::kSolved;
   if (!s.makeMatrix(pattern)) return s.failure();
-  // Nested dissection needs fewer operations for bodies, minimum degree for thin or small pieces.
-  std::vector<int> order;
-  double fewest_operations = 0;
-  for (const Ordering ordering : {Ordering::kMinimumDegree, Ordering::kNestedDissection}) {
-    if (!s.orderVertices(pattern, ordering, order)) return s.failure();
-    Factor factor = s.makeSymbolicFactor(order);
-    if (!factor) return s.failure();
-    if (!s.factor || s.common.fl < fewest_operations) {
-      fewest_operations = s.common.fl;
-      s.factor = std::move(factor);
-    }
+  // Minimum degree takes a millisecond or two; nested dissection takes ten times that after every cut, so it
+  // must earn it. Decided once: a later pattern is the same body with some cuts.
+  constexpr double kWorthDissection = 0.7;
+  const auto analyse_by = [&](Ordering ordering) {
+    std::vector<int> order;
+    if (s.orderVertices(pattern, ordering, order)) s.factor = s.makeSymbolicFactor(order);
+    return s.factor != nullptr;
+  };
+  if (s.ordering != Ordering::kUndecided) return analyse_by(s.ordering) ? SolveStatus::kSolved : s.failure();
+  if (!analyse_by(Ordering::kMinimumDegree)) return s.failure();
+  const double operations = s.common.fl;
+  Factor by_degree = std::move(s.factor);
+  if (analyse_by(Ordering::kNestedDissection) && s.common.fl < kWorthDissection * operations) {
+    s.ordering = Ordering::kNestedDissection;
+  } else {
+    s.ordering = Ordering::kMinimumDegree;
+    s.factor = std::move(by_degree);
   }
   return SolveStatus::kSolved;
 }
@@ -250,6 +286,7 @@ SolveStatus DirectSolver::factorise(const BlockPattern& pattern, const Blocks& b
   }
   POLYSCALPEL_ASSERT(entry == static_cast<int*>(s.matrix->p)[3 * s.num_free]);
   if (zero != 0) return SolveStatus::kNotFinite;
+  const OneThread one_thread;
   const bool done = cholmod_factorize(s.matrix.get(), s.factor.get(), &s.common);
   if (!done || s.common.status != CHOLMOD_OK) return s.failure();
   if (s.factor->minor < s.factor->n) return SolveStatus::kNotPositiveDefinite;
@@ -305,6 +342,7 @@ SolveResult DirectSolver::solve(const Eigen::Ref<const Eigen::Matrix3Xd>& b, Eig
     return result;
   }
   if ((s.b.array() == 0).all()) return result;
+  const OneThread one_thread;
   if (!s.solveWithFactor(s.b, false)) {
     result.status = s.failure();
     return result;
