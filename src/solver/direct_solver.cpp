@@ -213,9 +213,7 @@ Factor DirectSolver::Impl::makeSymbolicFactor(const std::vector<int>& vertex_ord
   return Factor(cholmod_analyze_p(matrix.get(), order.data(), nullptr, 0, &common), {&common});
 }
 
-DirectSolver::DirectSolver() : impl_(std::make_unique<Impl>()) {
-  holdBlasToOneThread();
-}
+DirectSolver::DirectSolver() : impl_(std::make_unique<Impl>()) {}
 DirectSolver::~DirectSolver() = default;
 DirectSolver::DirectSolver(DirectSolver&&) noexcept = default;
 DirectSolver& DirectSolver::operator=(DirectSolver&&) noexcept = default;
