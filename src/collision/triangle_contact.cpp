@@ -19,6 +19,7 @@ constexpr double kSmallestInwardCosine = 0.02;  // (c): a surface seen this flat
 constexpr double kReach = 0.05;                 // overlap in which the area is taken, as a part of the margin
 constexpr int kSectionCorners = 16;
 constexpr int kRimDirections = 16;
+constexpr int kRimHalvings = 16;
 
 /// The point of segment (a, b) with the smallest signed distance: bisection on the monotone derivative.
 Eigen::Vector3d closestOnSegment(const ConvexShape& shape, const Eigen::Vector3d& a,
@@ -88,19 +89,44 @@ double wayOut(const ConvexShape& shape, const Eigen::Matrix3d& corners, const Ei
 TriangleGap shortestWayOut(const ConvexShape& shape, const Eigen::Matrix3d& corners,
                            const Eigen::Vector3d& outward) {
   TriangleGap best{-kInfinity, -outward};
+  // Both senses of a direction; returns the gap along the better one.
   const auto consider = [&](const Eigen::Vector3d& direction) {
     const double length = direction.norm();
-    if (!(length > 0)) return;
+    double gap = -kInfinity;
+    if (!(length > 0)) return gap;
     for (const double sign : {1.0, -1.0}) {
       const Eigen::Vector3d unit = sign / length * direction;
       const double way = wayOut(shape, corners, unit);
+      gap = std::max(gap, -way);
       if (-way > best.gap) best = {-way, unit};
     }
+    return gap;
   };
   // A cross product that is mere rounding would give a random direction: allowed, but no use.
   const auto considerCross = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
     const Eigen::Vector3d direction = a.cross(b);
-    if (direction.squaredNorm() > 1e-12 * a.squaredNorm() * b.squaredNorm()) consider(direction);
+    const bool is_rounding = direction.squaredNorm() <= 1e-12 * a.squaredNorm() * b.squaredNorm();
+    return is_rounding ? -kInfinity : consider(direction);
+  };
+
+  // The rim of a cylinder against an edge: one normal for each place on the rim. The best of some, then a
+  // pattern search.
+  const auto considerRim = [&](const Eigen::Vector3d& edge) {
+    double step = 2 * M_PI / kRimDirections;
+    double best_angle = 0;
+    double best_gap = -kInfinity;
+    const auto tryAngle = [&](double angle) {
+      const double gap = considerCross(edge, {-std::sin(angle), std::cos(angle), 0});
+      if (gap <= best_gap) return false;
+      best_gap = gap;
+      best_angle = angle;
+      return true;
+    };
+    for (int k = 0; k < kRimDirections / 2; ++k) tryAngle(k * step);
+    for (int halving = 0; halving < kRimHalvings; ++halving) {
+      step /= 2;
+      if (!tryAngle(best_angle + step)) tryAngle(best_angle - step);
+    }
   };
 
   if (shape.kind == ShapeKind::kSphere || shape.kind == ShapeKind::kCapsule) {
@@ -137,10 +163,7 @@ TriangleGap shortestWayOut(const ConvexShape& shape, const Eigen::Matrix3d& corn
       for (int i = 0; i < 3; ++i) {
         considerCross(edges[i], Eigen::Vector3d::UnitZ());
         consider(Eigen::Vector3d(corners(0, i), corners(1, i), 0));
-        for (int k = 0; k < kRimDirections / 2; ++k) {
-          const double angle = 2 * M_PI * k / kRimDirections;
-          considerCross(edges[i], {-std::sin(angle), std::cos(angle), 0});
-        }
+        considerRim(edges[i]);
       }
       break;
     case ShapeKind::kMesh:
@@ -280,8 +303,9 @@ void appendContacts(const ConvexShape& shape, const Eigen::Matrix3d& corners, do
   makePart(shape, moved, outward, polygon, scratch);
   if (polygon.size() < 3) return;
 
-  const auto gapAt = [&](const Eigen::Vector3d& point) {
-    const std::optional<double> exit = shape.exitParameter(point, n);
+  // A line through the very border could miss the tool by rounding.
+  const auto gapAt = [&](const Eigen::Vector3d& point, const Eigen::Vector3d& centre) {
+    const std::optional<double> exit = shape.exitParameter(point + 1e-6 * (centre - point), n);
     return exit ? shift - *exit : shift;
   };
   // A fan around the mean; on each of its triangles the mid-edge rule, exact for quadratic gaps.
@@ -294,7 +318,7 @@ void appendContacts(const ConvexShape& shape, const Eigen::Matrix3d& corners, do
     const Eigen::Vector3d& a = polygon[i];
     area[i] = 0.5 * (a - centre).cross(polygon[(i + 1) % count] - centre).norm();
     total_area += area[i];
-    spoke_gap[i] = gapAt(0.5 * (centre + a));
+    spoke_gap[i] = gapAt(0.5 * (centre + a), centre);
   }
   if (!(total_area > 0)) return;
 
@@ -304,7 +328,8 @@ void appendContacts(const ConvexShape& shape, const Eigen::Matrix3d& corners, do
   int groups = 0;
   for (int i = 0; i < count; ++i) {
     const int j = (i + 1) % count;
-    const double mean_gap = (spoke_gap[i] + spoke_gap[j] + gapAt(0.5 * (polygon[i] + polygon[j]))) / 3;
+    const double mean_gap =
+        (spoke_gap[i] + spoke_gap[j] + gapAt(0.5 * (polygon[i] + polygon[j]), centre)) / 3;
     group_area += area[i];
     group_gap += area[i] * mean_gap;
     group_point += area[i] / 3 * (centre + polygon[i] + polygon[j]);

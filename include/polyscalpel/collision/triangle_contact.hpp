@@ -6,21 +6,21 @@
 // Direction. Apart, tool and triangle are joined by their closest points. In overlap the direction is the
 // shortest way out of the tool for the whole triangle, so a thin blade that presses with its edge pushes
 // ahead, and one that lies in a slit pushes sideways. A surface can be pushed only towards its tissue:
-//   (a) the direction points inward, whatever the tool's shape: it stands;
-//   (b) it points outward by more than 60 degrees off the surface: in overlap, the tool has sunk in by more
-//   than half,
-//       or both ways out are equal (the flanks of a slit on the middle of a blade). The triangle is pushed
-//       along its inward normal, unless more than nine tenths of the tool's extent along the normal are
-//       inside already: then the tool pokes at the surface from within;
-//   (c) everything else (a tool beneath the surface, the far side of the body, a surface edge-on to the push)
-//   is no
-//       contact.
+// (a) The direction points inward, whatever the tool's shape: it stands.
+// (b) In overlap it points outward (cosine to the outward normal above a half): the tool has sunk in by more
+//     than half, or both ways out are equal, as on the flanks of a slit on the middle of a blade. The
+//     triangle is pushed along its inward normal, unless more than nine tenths of the tool's extent along the
+//     normal are inside already: then the tool pokes at the surface from within, and is no contact.
+// (c) Everything else is no contact: a tool beneath the surface, the far side of the body, a surface that is
+//     seen edge-on along the direction.
+// So a tool that passes through a surface by more than its thickness in one step is lost to it.
 //
 // Area. The contact stands for the part of the triangle inside the tool (moved to overlap by a twentieth of
 // the margin where it does not yet), as seen along the direction: never more than the tool's cross-section on
 // a large triangle, and on small ones the sum is the touched surface, so that the force converges as the mesh
 // is refined. The gap is the mean of the gap along the direction over that part. Round sections are polygons
-// of 16 corners and equal area (to 1 %).
+// of 16 corners and equal area; a sphere's overlap with a large triangle is right to 2 % up to a depth of a
+// quarter of its radius, to 10 % when it is half in.
 #pragma once
 
 #include <optional>
@@ -40,10 +40,9 @@ struct TriangleGap {
 
 /// Distance and direction between tool and triangle (corners: one column each), without regard to inside and
 /// outside. Apart: exact to about 1e-12 of the sizes. In overlap the gap is that of a translation along the
-/// normal which frees the triangle; the shortest such for sphere, capsule and box; for the cylinder the
-/// shortest of the directions of its axis, its radii towards the triangle's features, the triangle's normal
-/// and 16 positions of its rim against each edge, so it may be a few percent longer than the shortest.
-/// Nothing for a gap of margin or more, or a triangle without area.
+/// normal which frees the triangle: the shortest for sphere, capsule and box; for the cylinder, whose rim is
+/// searched from 16 places against each edge, nearly always the shortest, and never less. Nothing for a gap
+/// of margin or more, or a triangle without area.
 std::optional<TriangleGap> triangleGap(const ConvexShape& shape, const Eigen::Matrix3d& corners,
                                        double margin);
 
