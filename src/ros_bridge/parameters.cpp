@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polyscalpel/ros_bridge/parameters.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
 
+#include <ros/console.h>
 #include <ros/names.h>
 
 #include "polyscalpel/ros_bridge/resource_path.hpp"
@@ -299,6 +301,47 @@ SceneParameters loadScene(const std::string& file, const std::vector<std::string
   folders.insert(folders.end(), mesh_folders.begin(), mesh_folders.end());
   YamlMap scene = YamlMap::load(file);
   return readScene(scene, folders);
+}
+
+std::string textParameter(const ros::NodeHandle& private_node_handle, const std::string& name,
+                          const std::string& default_value) {
+  XmlRpc::XmlRpcValue value;
+  if (!private_node_handle.getParam(name, value)) return default_value;
+  if (value.getType() != XmlRpc::XmlRpcValue::TypeString)
+    throw std::invalid_argument("parameter " + private_node_handle.resolveName(name) + ": must be text");
+  return static_cast<std::string>(value);
+}
+
+void warnOfUnknownParameters(const ros::NodeHandle& private_node_handle,
+                             const std::vector<std::string>& known) {
+  const std::string prefix = private_node_handle.getNamespace() + "/";
+  std::vector<std::string> names;
+  private_node_handle.getParamNames(names);
+  for (const std::string& name : names) {
+    if (name.compare(0, prefix.size(), prefix) != 0) continue;
+    const std::string rest = name.substr(prefix.size());
+    if (std::find(known.begin(), known.end(), rest) != known.end()) continue;
+    const std::string nearest = nearestWord(rest, known);
+    ROS_WARN("parameter %s is not known%s", name.c_str(),
+             nearest.empty() ? "" : ("; did you mean ~" + nearest + "?").c_str());
+  }
+}
+
+SceneParameters loadFromNode(const ros::NodeHandle& private_node_handle) {
+  warnOfUnknownParameters(private_node_handle, {"scene", "mesh_path", "clock"});
+  const std::string scene = textParameter(private_node_handle, "scene", "");
+  if (scene.empty())
+    throw std::invalid_argument("parameter " + private_node_handle.resolveName("scene") +
+                                " is missing: must be the path of a scene, such as config/scenes/block.yaml");
+  const std::string folders = textParameter(private_node_handle, "mesh_path", "");
+  const std::string clock = textParameter(private_node_handle, "clock", "");
+  if (!clock.empty() && clock != "realtime" && clock != "lockstep")
+    throw std::invalid_argument("parameter " + private_node_handle.resolveName("clock") + " = " + clock +
+                                ": must be realtime, lockstep or empty");
+  SceneParameters parameters = loadScene(findResource(scene, {""}), splitSearchPath(folders));
+  if (clock == "realtime") parameters.node.clock = ClockMode::kRealtime;
+  if (clock == "lockstep") parameters.node.clock = ClockMode::kLockstep;
+  return parameters;
 }
 
 }  // namespace polyscalpel

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -21,11 +22,14 @@ constexpr double kSmallestHeight = 1e-7;
 
 struct Triangle {
   FaceId face;
-  int index = 0;  // within the face
   Eigen::Matrix3d corners;
-  Eigen::Vector3d area_normal;       // length: twice the area
-  std::array<VertexId, 3> vertices;  // invalid: the face's virtual vertex
+  Eigen::Vector3d area_normal;  // length: twice the area
+  std::array<int, 3> points;    // numbers of points shared with other triangles; -1: shared with none
 };
+
+Eigen::Vector3d areaNormal(const Eigen::Matrix3d& corners) {
+  return (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
+}
 
 bool hasArea(const Triangle& triangle) {
   const Eigen::Matrix3d& p = triangle.corners;
@@ -48,15 +52,13 @@ std::vector<Triangle> boundaryTriangles(const PolyhedralMesh& mesh,
     for (int j = 0; j < numTriangles(face); ++j) {
       Triangle triangle;
       triangle.face = id;
-      triangle.index = j;
       triangle.corners = triangleCorners(face, j, positions);
-      triangle.area_normal = (triangle.corners.col(1) - triangle.corners.col(0))
-                                 .cross(triangle.corners.col(2) - triangle.corners.col(0));
+      triangle.area_normal = areaNormal(triangle.corners);
+      const auto k = static_cast<std::size_t>(j);
       if (size == 3) {
-        triangle.vertices = {face.loop[0], face.loop[1], face.loop[2]};
+        triangle.points = {face.loop[0].index(), face.loop[1].index(), face.loop[2].index()};
       } else {
-        const auto k = static_cast<std::size_t>(j);
-        triangle.vertices = {VertexId(), face.loop[k], face.loop[(k + 1) % size]};
+        triangle.points = {-1, face.loop[k].index(), face.loop[(k + 1) % size].index()};
       }
       triangles.push_back(triangle);
     }
@@ -69,20 +71,15 @@ Eigen::Vector3d unit(const Eigen::Vector3d& vector, const Eigen::Vector3d& other
   return length > 0 ? Eigen::Vector3d(vector / length) : otherwise;
 }
 
-}  // namespace
-
-SurfaceTriangles makeSurfaceTriangles(const PolyhedralMesh& mesh,
-                                      const Eigen::Ref<const Eigen::Matrix3Xd>& positions, bool cut_faces) {
-  std::vector<Triangle> triangles =
-      boundaryTriangles(mesh, positions, [&](const Face& face) { return (face.cut > 0) == cut_faces; });
+/// Normals at the corners; drops triangles without area.
+SurfaceTriangles smooth(std::vector<Triangle> triangles, int num_points) {
   triangles.erase(
       std::remove_if(triangles.begin(), triangles.end(), [](const Triangle& t) { return !hasArea(t); }),
       triangles.end());
-
-  std::vector<std::vector<int>> around(static_cast<std::size_t>(mesh.numVertices()));
+  std::vector<std::vector<std::size_t>> around(static_cast<std::size_t>(num_points));
   for (std::size_t i = 0; i < triangles.size(); ++i)
-    for (const VertexId vertex : triangles[i].vertices)
-      if (vertex.isValid()) around[static_cast<std::size_t>(vertex.index())].push_back(static_cast<int>(i));
+    for (const int point : triangles[i].points)
+      if (point >= 0) around[static_cast<std::size_t>(point)].push_back(i);
 
   SurfaceTriangles result;
   result.corners.reserve(triangles.size());
@@ -91,11 +88,11 @@ SurfaceTriangles makeSurfaceTriangles(const PolyhedralMesh& mesh,
     const Eigen::Vector3d flat = triangle.area_normal.normalized();
     Eigen::Matrix3d normals;
     for (int corner = 0; corner < 3; ++corner) {
-      const VertexId vertex = triangle.vertices[static_cast<std::size_t>(corner)];
+      const int point = triangle.points[static_cast<std::size_t>(corner)];
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      if (vertex.isValid()) {
-        for (const int other : around[static_cast<std::size_t>(vertex.index())]) {
-          const Eigen::Vector3d& area_normal = triangles[static_cast<std::size_t>(other)].area_normal;
+      if (point >= 0) {
+        for (const std::size_t other : around[static_cast<std::size_t>(point)]) {
+          const Eigen::Vector3d& area_normal = triangles[other].area_normal;
           if (area_normal.dot(flat) >= kCreaseCosine * area_normal.norm()) sum += area_normal;
         }
       }
@@ -105,6 +102,33 @@ SurfaceTriangles makeSurfaceTriangles(const PolyhedralMesh& mesh,
     result.normals.push_back(normals);
   }
   return result;
+}
+
+}  // namespace
+
+SurfaceTriangles makeSurfaceTriangles(const PolyhedralMesh& mesh,
+                                      const Eigen::Ref<const Eigen::Matrix3Xd>& positions, bool cut_faces) {
+  return smooth(
+      boundaryTriangles(mesh, positions, [&](const Face& face) { return (face.cut > 0) == cut_faces; }),
+      mesh.numVertices());
+}
+
+SurfaceTriangles makeSurfaceTriangles(const Eigen::Ref<const Eigen::Matrix3Xd>& triangles) {
+  std::map<std::array<double, 3>, int> numbers;
+  std::vector<Triangle> result;
+  for (Eigen::Index i = 0; i + 2 < triangles.cols(); i += 3) {
+    Triangle triangle;
+    triangle.corners = triangles.middleCols<3>(i);
+    triangle.area_normal = areaNormal(triangle.corners);
+    for (int j = 0; j < 3; ++j) {
+      const std::array<double, 3> key = {triangle.corners(0, j), triangle.corners(1, j),
+                                         triangle.corners(2, j)};
+      triangle.points[static_cast<std::size_t>(j)] =
+          numbers.emplace(key, static_cast<int>(numbers.size())).first->second;
+    }
+    result.push_back(triangle);
+  }
+  return smooth(std::move(result), static_cast<int>(numbers.size()));
 }
 
 double lightOn(const Eigen::Vector3d& normal) {

@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
+#include <ros/node_handle.h>
+#include <Eigen/Geometry>
 
 #include "polyscalpel/ros_bridge/yaml_reader.hpp"
 #include "polyscalpel/simulation/simulation_config.hpp"
@@ -73,6 +74,21 @@ SceneParameters loadScene(const std::string& file, const std::vector<std::string
 
 /// The same from a document that is open already; document.fields then lists every field that was asked for.
 SceneParameters readScene(YamlMap& scene, const std::vector<std::string>& mesh_folders);
+
+/// The scene that the private parameters of a node ask for: ~scene (path or package:// URI of a scene,
+/// required), ~mesh_path (folders separated by colons, default empty: for relative mesh paths) and ~clock
+/// ("", "realtime" or "lockstep", default "": as in the scene). Warns of private parameters that it does not
+/// know. Throws std::invalid_argument.
+SceneParameters loadFromNode(const ros::NodeHandle& private_node_handle);
+
+/// A text parameter of a node; default_value where it is not set. Throws std::invalid_argument when it is not
+/// text.
+std::string textParameter(const ros::NodeHandle& private_node_handle, const std::string& name,
+                          const std::string& default_value);
+
+/// Warns of private parameters whose name is not among those known; they may be left from an earlier run.
+void warnOfUnknownParameters(const ros::NodeHandle& private_node_handle,
+                             const std::vector<std::string>& known);
 
 /// A unit quaternion from x, y, z, w; `map` names it in the message of std::invalid_argument when its norm is
 /// off 1 by more than 1e-3.

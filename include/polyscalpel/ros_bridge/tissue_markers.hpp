@@ -17,13 +17,17 @@ namespace polyscalpel {
 /// Boundary triangles of the tissue, without those that have no area (rviz garbles them).
 struct SurfaceTriangles {
   std::vector<Eigen::Matrix3d> corners;  ///< one column a corner [m], counter-clockwise seen from outside
-  std::vector<Eigen::Matrix3d> normals;  ///< at the corners, unit, smooth up to kCreaseAngle
+  std::vector<Eigen::Matrix3d>
+      normals;  ///< at the corners, unit, smooth across edges of less than 50 degrees
 };
 
 /// Triangles of the boundary faces that a cut made, or of all others. positions: 3 x n, one column per vertex
 /// [m].
 SurfaceTriangles makeSurfaceTriangles(const PolyhedralMesh& mesh,
                                       const Eigen::Ref<const Eigen::Matrix3Xd>& positions, bool cut_faces);
+
+/// The same for loose triangles: 3 x 3k [m], three columns a triangle; corners at equal points are joined.
+SurfaceTriangles makeSurfaceTriangles(const Eigen::Ref<const Eigen::Matrix3Xd>& triangles);
 
 /// Light that falls on a surface of the given unit normal, in [0, 1]: sky and ground, and a lamp above one's
 /// shoulder.

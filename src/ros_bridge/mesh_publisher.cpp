@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/ros_bridge/mesh_publisher.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <numeric>
+
+#include "polyscalpel/ros_bridge/conversions.hpp"
+
+namespace polyscalpel {
+namespace {
+
+using visualization_msgs::Marker;
+
+/// More arrows than this only hide one another; the largest forces are drawn.
+constexpr std::size_t kMostArrows = 200;
+const Rgba kWireColour(0.15, 0.05, 0.05, 0.6);
+const Rgba kBladeColour(1.0, 0.95, 0.6, 1);
+const Rgba kArrowColour(1.0, 0.82, 0.15, 1);
+const Rgba kLabelColour(1, 1, 1, 1);
+
+Marker named(Marker marker, const std::string& name, int id) {
+  marker.ns = name;
+  marker.id = id;
+  return marker;
+}
+
+}  // namespace
+
+MeshPublisher::MeshPublisher(ros::NodeHandle& node_handle, const SceneParameters& parameters,
+                             const Simulation& simulation)
+    : parameters_(parameters),
+      simulation_(simulation),
+      publisher_(node_handle.advertise<visualization_msgs::MarkerArray>("mesh", 10, true)) {
+  const auto rest = simulation.mesh().restPositions();
+  body_size_m_ = (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
+  for (std::size_t i = 0; i < parameters.tools.size(); ++i) {
+    const ToolInputConfig& input = parameters.tools[i];
+    std::vector<Part> parts;
+    for (const DisplayShape& display : input.display)
+      parts.push_back({makeSurfaceTriangles(ToolShape(display.shape).triangles()), display.colour_rgba});
+    const std::optional<ShapeConfig>& shape = parameters.simulation.tools[i].shape;
+    if (parts.empty() && shape)
+      parts.push_back({makeSurfaceTriangles(ToolShape(*shape).triangles()), input.colour_rgba});
+    tool_parts_.push_back(std::move(parts));
+  }
+}
+
+void MeshPublisher::addTissue(visualization_msgs::MarkerArray& array) const {
+  const PolyhedralMesh& mesh = simulation_.mesh();
+  const Eigen::Matrix3Xd& positions = simulation_.positions();
+  const NodeConfig& node = parameters_.node;
+  array.markers.push_back(
+      named(makeTriangleMarker(makeSurfaceTriangles(mesh, positions, false), node.surface_colour_rgba),
+            "surface", 0));
+  if (simulation_.numCuts() > 0)
+    array.markers.push_back(
+        named(makeTriangleMarker(makeSurfaceTriangles(mesh, positions, true), node.cut_colour_rgba),
+              "cut_faces", 0));
+  if (node.wireframe) {
+    Marker wireframe = named(makeWireframeMarker(mesh, positions), "wireframe", 0);
+    wireframe.scale.x = 0.002 * body_size_m_;
+    wireframe.color = toColourMsg(kWireColour);
+    array.markers.push_back(std::move(wireframe));
+  }
+  if (!node.piece_labels || simulation_.pieces().count < 2) return;
+  const std::vector<PieceSummary> pieces = summarisePieces(mesh, simulation_.pieces(), positions);
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    Marker label = named(Marker(), "pieces", static_cast<int>(i));
+    label.type = Marker::TEXT_VIEW_FACING;
+    label.pose.orientation.w = 1;
+    label.pose.position = toPointMsg(pieces[i].label_point + 0.06 * body_size_m_ * Eigen::Vector3d::UnitZ());
+    label.scale.z = 0.05 * body_size_m_;
+    label.color = toColourMsg(kLabelColour);
+    char text[64];
+    std::snprintf(text, sizeof(text), "piece %zu: %.1f ml", i + 1, pieces[i].volume_m3 * 1e6);
+    label.text = text;
+    array.markers.push_back(std::move(label));
+  }
+}
+
+void MeshPublisher::addTool(visualization_msgs::MarkerArray& array, std::size_t tool,
+                            const Eigen::Isometry3d& T_world_tool) const {
+  int id = static_cast<int>(tool) * 100;
+  for (const Part& part : tool_parts_[tool]) {
+    SurfaceTriangles triangles = part.triangles;
+    for (Eigen::Matrix3d& corners : triangles.corners) corners = (T_world_tool * corners).eval();
+    for (Eigen::Matrix3d& normals : triangles.normals) normals = (T_world_tool.linear() * normals).eval();
+    array.markers.push_back(named(makeTriangleMarker(triangles, part.colour_rgba), "tools", id++));
+  }
+  const std::optional<Eigen::Matrix3Xd>& edge = parameters_.simulation.tools[tool].blade_edge_tool;
+  if (!edge) return;
+  Marker blade = named(Marker(), "blades", static_cast<int>(tool));
+  blade.type = Marker::LINE_STRIP;
+  blade.pose.orientation.w = 1;
+  blade.scale.x = 0.004 * body_size_m_;
+  blade.color = toColourMsg(kBladeColour);
+  for (Eigen::Index i = 0; i < edge->cols(); ++i)
+    blade.points.push_back(toPointMsg(T_world_tool * edge->col(i)));
+  array.markers.push_back(std::move(blade));
+}
+
+void MeshPublisher::addContacts(visualization_msgs::MarkerArray& array,
+                                const std::vector<AppliedContact>& contacts) const {
+  std::vector<std::size_t> order(contacts.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return contacts[a].force_on_tissue_world.squaredNorm() > contacts[b].force_on_tissue_world.squaredNorm();
+  });
+  order.resize(std::min(order.size(), kMostArrows));
+  int id = 0;
+  for (const std::size_t i : order) {
+    const Eigen::Vector3d arrow = parameters_.node.contact_arrow_m_per_n * contacts[i].force_on_tissue_world;
+    if (arrow.norm() < 0.005 * body_size_m_) break;  // the rest is smaller still
+    Marker marker = named(Marker(), "contacts", id++);
+    marker.type = Marker::ARROW;
+    marker.pose.orientation.w = 1;
+    // The tip is at the contact: an arrow that starts there would be hidden in the tissue.
+    marker.points = {toPointMsg(contacts[i].point_world - arrow), toPointMsg(contacts[i].point_world)};
+    marker.scale.x = 0.006 * body_size_m_;
+    marker.scale.y = 0.014 * body_size_m_;
+    marker.scale.z = 0.018 * body_size_m_;
+    marker.color = toColourMsg(kArrowColour);
+    array.markers.push_back(std::move(marker));
+  }
+}
+
+void MeshPublisher::publish(const std::vector<std::optional<Eigen::Isometry3d>>& T_world_tool,
+                            const std::vector<AppliedContact>& contacts, const ros::Time& stamp) {
+  visualization_msgs::MarkerArray array;
+  addTissue(array);
+  for (std::size_t i = 0; i < T_world_tool.size(); ++i)
+    if (T_world_tool[i]) addTool(array, i, *T_world_tool[i]);
+  addContacts(array, contacts);
+
+  std::set<std::pair<std::string, int>> now_shown;
+  for (const Marker& marker : array.markers) now_shown.emplace(marker.ns, marker.id);
+  for (const auto& [name, id] : shown_) {
+    if (now_shown.count({name, id}) > 0) continue;
+    Marker gone = named(Marker(), name, id);
+    gone.action = Marker::DELETE;
+    gone.pose.orientation.w = 1;
+    array.markers.push_back(gone);
+  }
+  shown_ = std::move(now_shown);
+  for (Marker& marker : array.markers) {
+    marker.header.frame_id = parameters_.node.world_frame;
+    marker.header.stamp = stamp;
+  }
+  publisher_.publish(array);
+}
+
+}  // namespace polyscalpel
