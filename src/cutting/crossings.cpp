@@ -161,6 +161,24 @@ bool Crossings::isInSlit(const Face& face) const {
 void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
   for (const CellId id : change.removed_cells) parts_.erase(id);
 
+  for (const NewVertex& origin : change.new_vertices) {
+    const auto [a, b] = makeEdge(origin.parents[0], origin.parents[1]);
+    const auto crossed = edges_.find({a, b});
+    if (crossed == edges_.end()) continue;
+    // Another cut has divided the edge; the crossing stays in the part where it was.
+    const double at = a == origin.parents[0] ? origin.weight : 1 - origin.weight;
+    CrossedEdge moved = crossed->second;
+    if (moved.weight <= at) {
+      moved.weight /= at;
+      edges_.emplace(makeEdge(a, origin.vertex), moved);
+    } else {
+      // The new vertex is the larger one, so the part runs against the edge.
+      moved.weight = 1 - (moved.weight - at) / (1 - at);
+      moved.sign = -moved.sign;
+      edges_.emplace(makeEdge(b, origin.vertex), moved);
+    }
+  }
+
   std::unordered_map<VertexId, VertexId> originals;  // of copies, as they stood before this change
   for (const NewVertex& origin : change.new_vertices) {
     if (origin.parents[0] != origin.parents[1]) continue;
