@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+namespace polyscalpel {
+
+/// Two doubles that go through the same arithmetic side by side. GCC's and Clang's vector types, wrapped so
+/// that they can be template arguments; Eigen 3.4 does not vectorise comparisons and selections.
+class Pack {
+ public:
+  static constexpr int kSize = 2;
+  using Values = double __attribute__((vector_size(16)));
+
+  /// What a comparison yields: all bits set where it holds.
+  struct Mask {
+    decltype(Values{} < Values{}) lanes;
+    friend Mask operator&&(Mask a, Mask b) { return {a.lanes & b.lanes}; }
+    bool any() const { return (lanes[0] | lanes[1]) != 0; }
+  };
+
+  Pack() = default;
+  Pack(double value) : values_{value, value} {}  // NOLINT: numbers mix with packs as they do with each other
+  explicit Pack(Values values) : values_(values) {}
+
+  double operator[](int lane) const { return values_[lane]; }
+  void set(int lane, double value) { values_[lane] = value; }
+
+  friend Pack operator+(Pack a, Pack b) { return Pack(a.values_ + b.values_); }
+  friend Pack operator-(Pack a, Pack b) { return Pack(a.values_ - b.values_); }
+  friend Pack operator*(Pack a, Pack b) { return Pack(a.values_ * b.values_); }
+  friend Pack operator/(Pack a, Pack b) { return Pack(a.values_ / b.values_); }
+  friend Mask operator<(Pack a, Pack b) { return {a.values_ < b.values_}; }
+  friend Mask operator<=(Pack a, Pack b) { return {a.values_ <= b.values_}; }
+  friend Pack select(Mask mask, Pack yes, Pack no) { return Pack(mask.lanes ? yes.values_ : no.values_); }
+  friend Pack sqrt(Pack a) {
+#if defined(__SSE2__)
+    return Pack(Values(_mm_sqrt_pd(__m128d(a.values_))));
+#else
+    return Pack(Values{std::sqrt(a.values_[0]), std::sqrt(a.values_[1])});
+#endif
+  }
+
+ private:
+  Values values_;
+};
+
+/// The same words for one number of any precision.
+template <class Scalar>
+class SinglePack {
+ public:
+  static constexpr int kSize = 1;
+
+  struct Mask {
+    bool holds;
+    friend Mask operator&&(Mask a, Mask b) { return {a.holds && b.holds}; }
+    bool any() const { return holds; }
+  };
+
+  SinglePack() = default;
+  SinglePack(Scalar value) : value_(value) {}  // NOLINT: as above
+
+  Scalar operator[](int) const { return value_; }
+  void set(int, Scalar value) { value_ = value; }
+
+  friend SinglePack operator+(SinglePack a, SinglePack b) { return a.value_ + b.value_; }
+  friend SinglePack operator-(SinglePack a, SinglePack b) { return a.value_ - b.value_; }
+  friend SinglePack operator*(SinglePack a, SinglePack b) { return a.value_ * b.value_; }
+  friend SinglePack operator/(SinglePack a, SinglePack b) { return a.value_ / b.value_; }
+  friend Mask operator<(SinglePack a, SinglePack b) { return {a.value_ < b.value_}; }
+  friend Mask operator<=(SinglePack a, SinglePack b) { return {a.value_ <= b.value_}; }
+  friend SinglePack select(Mask mask, SinglePack yes, SinglePack no) { return mask.holds ? yes : no; }
+  friend SinglePack sqrt(SinglePack a) { return std::sqrt(a.value_); }
+
+ private:
+  Scalar value_;
+};
+
+}  // namespace polyscalpel
