@@ -146,8 +146,8 @@ def demonstrate(children, arguments):
     before, after = (os.path.join(arguments.output, name) for name in ("before.png", "after.png"))
     os.environ["ROS_MASTER_URI"] = f"http://localhost:{free_port()}"
     port = os.environ["ROS_MASTER_URI"].rpartition(":")[2]
-    pictures.make_pictures(children, ["roslaunch", "-p", port, "polyscalpel", "playback.launch", "bag:="], bag,
-                           [(picture_times(bag), before), (None, after)])
+    pictures.make_pictures(children, ["roslaunch", "-p", port, "polyscalpel", "playback.launch", "bag:=",
+                                      "rviz_args:=--fullscreen"], bag, [(picture_times(bag), before), (None, after)])
     summary["pictures"] = [before, after]
 
     path = os.path.join(arguments.output, "summary.json")
