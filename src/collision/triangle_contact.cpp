@@ -19,7 +19,7 @@ constexpr double kSmallestInwardCosine = 0.02;  // (c): a surface seen this flat
 constexpr double kReach = 0.05;                 // overlap in which the area is taken, as a part of the margin
 constexpr int kSectionCorners = 16;
 constexpr int kRimDirections = 16;
-constexpr int kRimHalvings = 16;
+constexpr int kRimHalvings = 10;
 
 /// The point of segment (a, b) with the smallest signed distance: bisection on the monotone derivative.
 Eigen::Vector3d closestOnSegment(const ConvexShape& shape, const Eigen::Vector3d& a,

@@ -14,6 +14,9 @@
 namespace polyscalpel {
 
 /// A place where a tool touches, or is about to touch, a triangle of the tissue's surface.
+/// Which triangles a tool pushes, where to, and what area and gap mean is written in triangle_contact.hpp;
+/// for mesh tools, each part of a triangle is pushed the shortest way out of the tool, unless that would pull
+/// the tissue.
 struct Contact {
   FaceId face;
   std::vector<WeightedVertex> weights;  ///< of the tissue's contact point on the face's vertices; sum 1

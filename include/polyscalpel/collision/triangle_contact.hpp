@@ -13,7 +13,10 @@
 //     normal are inside already: then the tool pokes at the surface from within, and is no contact.
 // (c) Everything else is no contact: a tool beneath the surface, the far side of the body, a surface that is
 //     seen edge-on along the direction.
-// So a tool that passes through a surface by more than its thickness in one step is lost to it.
+// So a tool that passes through a surface by more than its thickness in one step is lost to it, and a tool on
+// edge that is thinner than its depth slips in where the triangles are so small, or their edges so placed,
+// that the way out past their border is shorter than the way ahead: to hold it, the tissue's triangles must
+// be several times longer than the depth.
 //
 // Area. The contact stands for the part of the triangle inside the tool (moved to overlap by a twentieth of
 // the margin where it does not yet), as seen along the direction: never more than the tool's cross-section on
