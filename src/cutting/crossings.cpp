@@ -13,11 +13,6 @@ namespace {
 /// slit; one with a larger crosses it, as where a stroke crosses itself.
 constexpr double kLargestAlignmentInSlit = 0.5;
 
-void sortUnique(std::vector<CellId>& cells) {
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-}
-
 /// Vertices joined to `vertex` by an edge.
 std::vector<VertexId> neighboursOf(const PolyhedralMesh& mesh, VertexId vertex) {
   std::vector<VertexId> neighbours;
@@ -69,6 +64,7 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
     return;
   }
   edges_[hit.edge] = {hit.weight, hit.sign, time_};
+  putCellsAround(mesh, hit.edge);
   if (snap_a != snaps_.end()) snap_a->second.neighbours.emplace_back(b, hit.sign);
   if (snap_b != snaps_.end()) snap_b->second.neighbours.emplace_back(a, -hit.sign);
 }
@@ -99,6 +95,7 @@ void Crossings::snap(const PolyhedralMesh& mesh, VertexId vertex, int side) {
   Snap& snap = snaps_[vertex];
   snap.side = side;
   open_vertices_.insert(vertex);
+  for (const CellId cell : cellsAround(mesh, vertex)) cells_.insert(cell);
   for (const VertexId other : neighboursOf(mesh, vertex)) {
     const auto crossed = edges_.find(makeEdge(vertex, other));
     if (crossed == edges_.end()) continue;
@@ -107,12 +104,13 @@ void Crossings::snap(const PolyhedralMesh& mesh, VertexId vertex, int side) {
   }
 }
 
-void Crossings::recordSplitEdge(Edge edge, VertexId middle) {
+void Crossings::recordSplitEdge(const PolyhedralMesh& mesh, Edge edge, VertexId middle) {
   const auto crossed = edges_.find(edge);
   POLYSCALPEL_ASSERT(crossed != edges_.end());
   const int sign = crossed->second.sign;
   snaps_[middle].neighbours = {{edge.first, -sign}, {edge.second, sign}};
   open_vertices_.insert(middle);
+  for (const CellId cell : cellsAround(mesh, middle)) cells_.insert(cell);
   edges_.erase(crossed);
 }
 
@@ -160,6 +158,9 @@ bool Crossings::isInSlit(const Face& face) const {
 
 void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
   for (const CellId id : change.removed_cells) parts_.erase(id);
+  for (const NewCell& cell : change.new_cells) {
+    if (cells_.count(cell.parent)) cells_.insert(cell.cell);
+  }
 
   for (const NewVertex& origin : change.new_vertices) {
     const auto [a, b] = makeEdge(origin.parents[0], origin.parents[1]);
@@ -171,11 +172,13 @@ void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
     if (moved.weight <= at) {
       moved.weight /= at;
       edges_.emplace(makeEdge(a, origin.vertex), moved);
+      putCellsAround(mesh, makeEdge(a, origin.vertex));
     } else {
       // The new vertex is the larger one, so the part runs against the edge.
       moved.weight = 1 - (moved.weight - at) / (1 - at);
       moved.sign = -moved.sign;
       edges_.emplace(makeEdge(b, origin.vertex), moved);
+      putCellsAround(mesh, makeEdge(b, origin.vertex));
     }
   }
 
@@ -213,6 +216,7 @@ void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
         CrossedEdge moved = crossed->second;
         if ((former < former_other) != (copy < other)) moved = {1 - moved.weight, -moved.sign, moved.time};
         edges_.emplace(makeEdge(copy, other), moved);
+        putCellsAround(mesh, makeEdge(copy, other));
       }
     }
     for (const CellId cell : cellsAround(mesh, copy)) {
@@ -227,18 +231,24 @@ void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
   ++time_;
 }
 
-std::vector<CellId> Crossings::touchedCells(const PolyhedralMesh& mesh) const {
-  std::vector<CellId> cells;
-  for (const auto& [edge, crossed] : edges_) {
-    const auto around = cellsAroundEdge(mesh, edge.first, edge.second);
-    cells.insert(cells.end(), around.begin(), around.end());
+std::vector<CellId> Crossings::takeCells(const PolyhedralMesh& mesh,
+                                         const std::function<bool(CellId)>& is_ready) {
+  std::vector<CellId> taken;
+  for (auto cell = cells_.begin(); cell != cells_.end();) {
+    if (!mesh.cell(*cell).isAlive()) {
+      cell = cells_.erase(cell);
+    } else if (is_ready(*cell)) {
+      taken.push_back(*cell);
+      cell = cells_.erase(cell);
+    } else {
+      ++cell;
+    }
   }
-  for (const VertexId vertex : open_vertices_) {
-    const auto around = cellsAround(mesh, vertex);
-    cells.insert(cells.end(), around.begin(), around.end());
-  }
-  sortUnique(cells);
-  return cells;
+  return taken;
+}
+
+void Crossings::putCellsAround(const PolyhedralMesh& mesh, Edge edge) {
+  for (const CellId cell : cellsAroundEdge(mesh, edge.first, edge.second)) cells_.insert(cell);
 }
 
 void Crossings::clear() {
@@ -246,6 +256,7 @@ void Crossings::clear() {
   snaps_.clear();
   parts_.clear();
   open_vertices_.clear();
+  cells_.clear();
 }
 
 }  // namespace polyscalpel

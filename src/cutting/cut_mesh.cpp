@@ -42,16 +42,11 @@ class CutTransaction {
     for (const Hit& hit : hits) crossings_.add(mesh_, hit, config_.snap_tolerance);
   }
 
-  /// Splits what is ready and not refused. Returns what this round changed.
-  MeshChange split(const std::function<bool(CellId)>& is_ready, const std::set<CellId>& refused = {}) {
+  /// Splits what is ready. Returns what this round changed.
+  MeshChange split(const std::function<bool(CellId)>& is_ready) {
     has_met_ |= !crossings_.isEmpty();
-    std::vector<CellId> candidates;
-    for (const CellId id : crossings_.touchedCells(mesh_)) {
-      if (!refused.count(id)) candidates.push_back(id);
-    }
     const std::size_t savepoint = editor_.savepoint();
-    SplitCounts counts =
-        splitCells(editor_, crossings_, candidates, is_ready, config_.snap_tolerance, result_.cut);
+    SplitCounts counts = splitCells(editor_, crossings_, is_ready, config_.snap_tolerance, result_.cut);
     result_.cells_split += counts.cells_split;
     result_.cut_area_m2 += counts.cap_area_m2;
     left_whole_.insert(counts.left_whole.begin(), counts.left_whole.end());
@@ -131,6 +126,12 @@ struct BladeCut::Impl {
     return *pieces;
   }
 
+  /// Splits whatever the blade has passed, wherever it is.
+  MeshChange splitAll(CutTransaction& transaction) {
+    for (const CellId cell : refused) crossings.putBack(cell);
+    return transaction.split(isAlwaysReady);
+  }
+
   /// One motion within a transaction. Returns what it changed; sets has_left where it ended the stroke.
   MeshChange move(CutTransaction& transaction, const PolyhedralMesh& mesh, const BladeMotion& motion,
                   bool& has_left) {
@@ -140,7 +141,7 @@ struct BladeCut::Impl {
     const Matrix3Xd blade_world = motion.T_world_tool_end * edge_tool;
     if (!isBladeInTissue(mesh, motion.positions_end, blade_world, config.hold_back)) {
       has_left = true;
-      return transaction.split(isAlwaysReady);
+      return splitAll(transaction);
     }
     const int first_new = mesh.cellCapacity();
     std::unordered_map<CellId, bool> known;
@@ -150,7 +151,7 @@ struct BladeCut::Impl {
       if (is_new) place->second = !isBladeAt(mesh, id, motion.positions_end, blade_world, config.hold_back);
       return place->second;
     };
-    MeshChange change = transaction.split(isReady, refused);
+    MeshChange change = transaction.split(isReady);
     refused.insert(transaction.leftWhole().begin(), transaction.leftWhole().end());
     return change;
   }
@@ -186,7 +187,7 @@ CutResult BladeCut::advance(PolyhedralMesh& mesh, const Positions& positions_sta
 CutResult BladeCut::finish(PolyhedralMesh& mesh, const Positions&, int cut) {
   const int pieces_before = impl_->countPieces(mesh);
   CutTransaction transaction(mesh, impl_->crossings, impl_->config, cut);
-  transaction.split(isAlwaysReady);
+  impl_->splitAll(transaction);
   CutResult result = transaction.finish(true);
   impl_->forget();
   impl_->complete(mesh, pieces_before, result);
@@ -231,7 +232,7 @@ CutResult cutMesh(PolyhedralMesh& mesh, const Positions& positions, const CutOpe
       extendByNewVertices(change.new_vertices, moved);
       if (has_left) stroke.forget();
     }
-    if (!has_left) transaction.split(isAlwaysReady);
+    if (!has_left) stroke.splitAll(transaction);
     result = transaction.finish(true);
   } else {
     Crossings crossings;

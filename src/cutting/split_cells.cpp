@@ -274,7 +274,7 @@ class Splitter {
         editor_.rollBackTo(savepoint);
         continue;
       }
-      for (const auto& [edge, middle] : split.splitEdges()) crossings_.recordSplitEdge(edge, middle);
+      for (const auto& [edge, middle] : split.splitEdges()) crossings_.recordSplitEdge(mesh(), edge, middle);
       crossings_.recordSplitCell(cell, split.first, split.second, split.capLoop(), split.firstSide());
       caps_.push_back(split.cap);
       parts.push_back(split.first);
@@ -328,14 +328,18 @@ class Splitter {
 
 }  // namespace
 
-SplitCounts splitCells(MeshEditor& editor, Crossings& crossings, const std::vector<CellId>& candidates,
-                       const std::function<bool(CellId)>& is_ready, double snap_tolerance, int cut) {
+SplitCounts splitCells(MeshEditor& editor, Crossings& crossings, const std::function<bool(CellId)>& is_ready,
+                       double snap_tolerance, int cut) {
   Splitter splitter(editor, crossings, snap_tolerance, cut);
-  for (const CellId cell : candidates) {
-    if (is_ready(cell)) splitter.splitRepeatedly(cell);
+  // A split puts vertices on its neighbours' edges, and a corner that joins the cut concerns all cells around
+  // it.
+  for (auto cells = crossings.takeCells(editor.mesh(), is_ready); !cells.empty();
+       cells = crossings.takeCells(editor.mesh(), is_ready)) {
+    for (const CellId cell : cells) {
+      if (editor.mesh().cell(cell).isAlive()) splitter.splitRepeatedly(cell);
+    }
   }
   splitter.openSlit(is_ready);
-  splitter.counts.cells_left_whole = static_cast<int>(splitter.counts.left_whole.size());
   return splitter.counts;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <map>
 #include <set>
 #include <unordered_map>
@@ -56,7 +57,7 @@ class Crossings {
   void snap(const PolyhedralMesh& mesh, VertexId vertex, int side);
 
   /// Records that a crossed edge has got a vertex where it was crossed.
-  void recordSplitEdge(Edge edge, VertexId middle);
+  void recordSplitEdge(const PolyhedralMesh& mesh, Edge edge, VertexId middle);
 
   /// Records the two parts of a cell. first_side: side of the blade's surface on which the first part lies.
   void recordSplitCell(CellId cell, CellId first, CellId second, const std::vector<VertexId>& cap_loop,
@@ -73,8 +74,12 @@ class Crossings {
   /// that are gone are dropped. Ends one unit of time.
   void update(const PolyhedralMesh& mesh, const MeshChange& change);
 
-  /// Cells that have a crossed edge or a corner that was snapped and not released, ascending.
-  std::vector<CellId> touchedCells(const PolyhedralMesh& mesh) const;
+  /// Takes out the cells around whose edges or corners something was crossed since they were last taken,
+  /// ascending. Those that are not ready stay.
+  std::vector<CellId> takeCells(const PolyhedralMesh& mesh, const std::function<bool(CellId)>& is_ready);
+
+  /// Has a cell taken out once more.
+  void putBack(CellId cell) { cells_.insert(cell); }
 
   /// Snapped vertices whose faces may still have to be opened, ascending.
   const std::set<VertexId>& openVertices() const { return open_vertices_; }
@@ -86,6 +91,8 @@ class Crossings {
   void clear();
 
  private:
+  void putCellsAround(const PolyhedralMesh& mesh, Edge edge);
+
   struct Snap {
     int side = 0;  ///< of the vertex; 0 for one made on the blade's surface
     std::vector<std::pair<VertexId, int>>
@@ -102,6 +109,7 @@ class Crossings {
   std::unordered_map<VertexId, Snap> snaps_;
   std::unordered_map<CellId, Part> parts_;
   std::set<VertexId> open_vertices_;
+  std::set<CellId> cells_;  ///< to be looked at
   int time_ = 0;
 };
 

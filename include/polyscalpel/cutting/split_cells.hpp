@@ -12,7 +12,6 @@ namespace polyscalpel {
 /// What a round of splitting did.
 struct SplitCounts {
   int cells_split = 0;
-  int cells_left_whole = 0;
   double cap_area_m2 = 0;  ///< rest shape
   std::vector<CellId> left_whole;
 };
@@ -23,7 +22,7 @@ struct SplitCounts {
 /// the cap. A split that would make a cell (or a touched neighbour) thinner than kSmallestRelativeSubTet is
 /// undone; then a thin component, at most 4 vertices within 2 snap_tolerance h of the cut, joins the cut;
 /// then the cell is left whole and counted.
-SplitCounts splitCells(MeshEditor& editor, Crossings& crossings, const std::vector<CellId>& candidates,
-                       const std::function<bool(CellId)>& is_ready, double snap_tolerance, int cut);
+SplitCounts splitCells(MeshEditor& editor, Crossings& crossings, const std::function<bool(CellId)>& is_ready,
+                       double snap_tolerance, int cut);
 
 }  // namespace polyscalpel
