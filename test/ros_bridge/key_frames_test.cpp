@@ -36,10 +36,12 @@ TEST(NaturalSpline, IsTwiceSmoothAndStraightAtItsEnds) {
   // On each side of a point three values give the one-sided derivatives of a cubic up to O(d).
   const double d = 1e-4;
   const auto second = [&](double t, double side) {
-    return Eigen::Vector3d((spline.at(t) - 2 * spline.at(t + side * d) + spline.at(t + 2 * side * d)) / (d * d));
+    return Eigen::Vector3d((spline.at(t) - 2 * spline.at(t + side * d) + spline.at(t + 2 * side * d)) /
+                           (d * d));
   };
   const auto first = [&](double t, double side) {
-    return Eigen::Vector3d(side * (4 * spline.at(t + side * d) - 3 * spline.at(t) - spline.at(t + 2 * side * d)) / (2 * d));
+    return Eigen::Vector3d(
+        side * (4 * spline.at(t + side * d) - 3 * spline.at(t) - spline.at(t + 2 * side * d)) / (2 * d));
   };
   for (const double t : {0.5, 1.5, 2.0}) {
     EXPECT_LT((first(t, 1) - first(t, -1)).norm(), 1e-5) << t;
@@ -52,7 +54,8 @@ TEST(NaturalSpline, IsTwiceSmoothAndStraightAtItsEnds) {
 TEST(NaturalSpline, KeepsStraightLinesStraight) {
   const std::vector<double> times = {0, 1, 3, 3.5};
   Eigen::Matrix3Xd points(3, 4);
-  for (int i = 0; i < 4; ++i) points.col(i) = Eigen::Vector3d(1, 2, 3) + times[i] * Eigen::Vector3d(0.1, -2, 4);
+  for (int i = 0; i < 4; ++i)
+    points.col(i) = Eigen::Vector3d(1, 2, 3) + times[i] * Eigen::Vector3d(0.1, -2, 4);
   const NaturalSpline spline(times, points);
   for (double t = 0; t < 3.5; t += 0.1)
     EXPECT_LT((spline.at(t) - Eigen::Vector3d(1, 2, 3) - t * Eigen::Vector3d(0.1, -2, 4)).norm(), 1e-13);
@@ -74,7 +77,8 @@ KeyFrames parse(const std::string& text) {
 const std::string kTwo = "key_frames:\n- {time_s: 0, position_m: [0, 0, 0]}\n";
 
 TEST(KeyFrames, TurnAtConstantSpeedOnTheShortestArc) {
-  const KeyFrames frames = parse(kTwo + "- {time_s: 2, position_m: [1, 0, 0], orientation_rpy_deg: [0, 0, 90]}\n");
+  const KeyFrames frames =
+      parse(kTwo + "- {time_s: 2, position_m: [1, 0, 0], orientation_rpy_deg: [0, 0, 90]}\n");
   const ToolPath path(frames);
   EXPECT_EQ(path.duration_s(), 2);
   for (const double t : {0.0, 0.5, 1.0, 1.7, 2.0, 3.0}) {
@@ -86,8 +90,8 @@ TEST(KeyFrames, TurnAtConstantSpeedOnTheShortestArc) {
 }
 
 TEST(KeyFrames, ReadToolAndFrame) {
-  const KeyFrames frames =
-      parse("tool: knife\nframe: table\n" + kTwo + "- {time_s: 1, position_m: [1, 0, 0], orientation_xyzw: [1, 0, 0, 0]}\n");
+  const KeyFrames frames = parse("tool: knife\nframe: table\n" + kTwo +
+                                 "- {time_s: 1, position_m: [1, 0, 0], orientation_xyzw: [1, 0, 0, 0]}\n");
   EXPECT_EQ(frames.tool, "knife");
   EXPECT_EQ(frames.frame, "table");
   EXPECT_EQ(frames.positions.col(1), Eigen::Vector3d(1, 0, 0));
@@ -100,13 +104,16 @@ TEST(KeyFrames, RefuseWhatIsNoPath) {
   expectRefused([] { parse(kTwo + "- {time_s: 0, position_m: [0, 0, 0]}\n"); }, {"path.yaml:3", "later"});
   expectRefused([] { parse(kTwo + "- {position_m: [0, 0, 0]}\n"); }, {"key_frames[1].time_s is missing"});
   expectRefused([] { parse(kTwo + "- {time_s: 1}\n"); }, {"key_frames[1].position_m is missing"});
-  expectRefused([] { parse(kTwo + "- {time_s: 1, position_m: [0, .nan, 0]}\n"); }, {"key_frames[1].position_m[1]"});
-  expectRefused([] { parse(kTwo + "- {time_s: 1, position_m: [0, 0, 0], orientation_xyzw: [0, 0, 0, 0]}\n"); },
-                {"key_frames[1].orientation_xyzw", "unit quaternion"});
+  expectRefused([] { parse(kTwo + "- {time_s: 1, position_m: [0, .nan, 0]}\n"); },
+                {"key_frames[1].position_m[1]"});
+  expectRefused(
+      [] { parse(kTwo + "- {time_s: 1, position_m: [0, 0, 0], orientation_xyzw: [0, 0, 0, 0]}\n"); },
+      {"key_frames[1].orientation_xyzw", "unit quaternion"});
   expectRefused(
       [] {
-        parse(kTwo + "- {time_s: 1, position_m: [0, 0, 0], orientation_xyzw: [0, 0, 0, 1], "
-                     "orientation_rpy_deg: [0, 0, 0]}\n");
+        parse(kTwo +
+              "- {time_s: 1, position_m: [0, 0, 0], orientation_xyzw: [0, 0, 0, 1], "
+              "orientation_rpy_deg: [0, 0, 0]}\n");
       },
       {"orientation_rpy_deg"});
   expectRefused([] { parse(kTwo + "- {time_s: 1, position_m: [0, 0, 0], orientation: [0, 0, 0, 1]}\n"); },

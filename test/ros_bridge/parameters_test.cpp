@@ -25,7 +25,8 @@ const std::string kCutting = kSmallest + "cutting: {}\ncontact: {}\n";
 SceneParameters read(const std::string& text, std::vector<FieldRecord>* fields = nullptr) {
   YamlMap scene = YamlMap::parse(text, "scene.yaml");
   SceneParameters parameters = readScene(scene, {sourcePath("test/ros_bridge")});
-  if (fields != nullptr) fields->insert(fields->end(), scene.document().fields.begin(), scene.document().fields.end());
+  if (fields != nullptr)
+    fields->insert(fields->end(), scene.document().fields.begin(), scene.document().fields.end());
   return parameters;
 }
 
@@ -51,7 +52,8 @@ TEST(Parameters, ReferenceSceneTellsEveryFieldWithItsDefaultAndRange) {
   std::vector<FieldRecord> fields;
   read(kCutting +
            "material: {}\nelement: {}\nintegration: {}\nnode: {}\n"
-           "fixed: [{box: {lowest_m: [0, 0, 0], highest_m: [0, 0, 0]}}, {sphere: {radius_m: 1}}, {vertices: [0]}]\n"
+           "fixed: [{box: {lowest_m: [0, 0, 0], highest_m: [0, 0, 0]}}, {sphere: {radius_m: 1}}, {vertices: "
+           "[0]}]\n"
            "tools:\n- shape: {box: {}}\n  blade_edge_m: [[0, 0, 0], [0, 0, 1]]\n  display: [{sphere: {}}]\n"
            "- {name: b, shape: {capsule: {}}}\n- {name: c, shape: {mesh: {path: parameters_test.cpp}}}\n",
        &fields);
@@ -61,7 +63,8 @@ TEST(Parameters, ReferenceSceneTellsEveryFieldWithItsDefaultAndRange) {
   Documented known;
   for (const FieldRecord& field : fields) {
     const std::string key = field.path.substr(field.path.rfind('.') + 1);
-    // An obligatory field keeps the struct's value as its default; colours of display shapes are those of the shape.
+    // An obligatory field keeps the struct's value as its default; colours of display shapes are those of the
+    // shape.
     known.emplace(key, field.default_value, field.range);
   }
   for (const auto& [key, value, range] : known)
@@ -73,7 +76,8 @@ TEST(Parameters, ReferenceSceneTellsEveryFieldWithItsDefaultAndRange) {
 }
 
 TEST(Parameters, EmptySectionsAreTheDefaultsOfTheStructs) {
-  const SceneParameters read_parameters = read(kCutting + "material: {}\nelement: {}\nintegration: {}\nnode: {}\n");
+  const SceneParameters read_parameters =
+      read(kCutting + "material: {}\nelement: {}\nintegration: {}\nnode: {}\n");
   const SimulationConfig defaults;
   EXPECT_EQ(read_parameters.simulation.material.youngs_modulus_pa, defaults.material.youngs_modulus_pa);
   EXPECT_EQ(read_parameters.simulation.element.quadrature_points, defaults.element.quadrature_points);
@@ -95,7 +99,8 @@ TEST(Parameters, EverySceneIsValid) {
     SCOPED_TRACE(entry.path().string());
     ++scenes;
     // The organ's mesh is made by the build and looked for, not opened, when the scene is read.
-    const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "polyscalpel_parameters_test";
+    const std::filesystem::path folder =
+        std::filesystem::path(::testing::TempDir()) / "polyscalpel_parameters_test";
     std::filesystem::create_directories(folder);
     std::ofstream(folder / "liver.msh") << "stands for the organ's mesh\n";
     EXPECT_NO_THROW(loadScene(entry.path().string(), {folder.string()}));
@@ -167,11 +172,15 @@ TEST(Parameters, RefusesWhatDoesNotFitTogether) {
   expectRefused([] { read("material: {}\n"); }, {"mesh is missing"});
   expectRefused([] { read("mesh: {}\n"); }, {"exactly one of box, ball, file"});
   expectRefused([] { read(kSmallest + "materail: {}\n"); }, {"scene.yaml:2", "did you mean material?"});
-  expectRefused([] { read(kSmallest + "material: {youngs_modulus: 1}\n"); }, {"did you mean youngs_modulus_pa?"});
+  expectRefused([] { read(kSmallest + "material: {youngs_modulus: 1}\n"); },
+                {"did you mean youngs_modulus_pa?"});
   expectRefused([] { read(kSmallest + "tools: [{name: a}, {name: a}]\n"); }, {"a"});
-  expectRefused([] { read(kSmallest + "tools: [{name: a, blade_edge_m: [[0, 0, 0], [0, 0, 1]]}]\n"); }, {"cutting"});
-  expectRefused([] { read(kSmallest + "tools: [{name: a, topic: b, follow_frame: c}]\n"); }, {"follow_frame"});
-  expectRefused([] { read(kSmallest + "tools: [{name: a, frame: f}, {name: b, frame: f}]\n"); }, {"must differ"});
+  expectRefused([] { read(kSmallest + "tools: [{name: a, blade_edge_m: [[0, 0, 0], [0, 0, 1]]}]\n"); },
+                {"cutting"});
+  expectRefused([] { read(kSmallest + "tools: [{name: a, topic: b, follow_frame: c}]\n"); },
+                {"follow_frame"});
+  expectRefused([] { read(kSmallest + "tools: [{name: a, frame: f}, {name: b, frame: f}]\n"); },
+                {"must differ"});
   expectRefused([] { read(kSmallest + "node: {tissue_frame: world}\n"); }, {"tissue_frame", "must differ"});
   expectRefused([] { read(kSmallest + "node: {world_frame: /world}\n"); }, {"world_frame", "slash"});
   expectRefused([] { read(kSmallest + "fixed: [{box: {lowest_m: [0, 0, 1], highest_m: [1, 1, 0]}}]\n"); },
@@ -182,9 +191,11 @@ TEST(Parameters, RefusesWhatDoesNotFitTogether) {
 }
 
 TEST(Parameters, LooksForMeshesAndTellsWhere) {
-  expectRefused([] { read("mesh: {file: {path: no_such.msh}}\n"); }, {"scene.yaml:1", "mesh.file.path", "no_such.msh", "tried"});
+  expectRefused([] { read("mesh: {file: {path: no_such.msh}}\n"); },
+                {"scene.yaml:1", "mesh.file.path", "no_such.msh", "tried"});
   const SceneParameters found = read("mesh: {file: {path: parameters_test.cpp}}\n");
-  EXPECT_EQ(std::get<MeshFileConfig>(found.simulation.mesh).path, sourcePath("test/ros_bridge/parameters_test.cpp"));
+  EXPECT_EQ(std::get<MeshFileConfig>(found.simulation.mesh).path,
+            sourcePath("test/ros_bridge/parameters_test.cpp"));
 }
 
 TEST(Parameters, FollowsAFrameInsteadOfATopic) {
@@ -196,7 +207,8 @@ TEST(Parameters, FollowsAFrameInsteadOfATopic) {
 
 TEST(Parameters, DrawsOtherShapesThanItTouchesWith) {
   const SceneParameters parameters = read(
-      kSmallest + "tools: [{name: a, display: [{sphere: {radius_m: 0.01}, colour_rgba: [1, 0, 0, 1]}, {box: {}}]}]\n");
+      kSmallest +
+      "tools: [{name: a, display: [{sphere: {radius_m: 0.01}, colour_rgba: [1, 0, 0, 1]}, {box: {}}]}]\n");
   ASSERT_EQ(parameters.tools[0].display.size(), 2u);
   EXPECT_EQ(parameters.tools[0].display[0].shape.radius_m, 0.01);
   EXPECT_EQ(parameters.tools[0].display[0].colour_rgba, Rgba(1, 0, 0, 1));

@@ -13,7 +13,9 @@ namespace {
 
 using testing::expectRefused;
 
-YamlMap parse(const std::string& text) { return YamlMap::parse(text, "scene.yaml"); }
+YamlMap parse(const std::string& text) {
+  return YamlMap::parse(text, "scene.yaml");
+}
 
 TEST(YamlReader, ReadsWhatIsThereAndKeepsDefaults) {
   YamlMap map = parse("a: 1e-3\nb: true\nc: [1, 2.5, -3]\nd: word\ne: 7\n");
@@ -53,7 +55,8 @@ TEST(YamlReader, NamesFileLinePathValueAndRange) {
 }
 
 TEST(YamlReader, RefusesNumbersThatAreNone) {
-  for (const std::string value : {".nan", ".inf", "-.inf", "abc", "\"1\"", "1 m", "[1]", "{a: 1}", "", "true"}) {
+  for (const std::string value :
+       {".nan", ".inf", "-.inf", "abc", "\"1\"", "1 m", "[1]", "{a: 1}", "", "true"}) {
     SCOPED_TRACE(value);
     expectRefused(
         [&] {
@@ -101,7 +104,8 @@ TEST(YamlReader, RefusesWhatIsNoMap) {
   expectRefused([] { parse("- 1\n- 2\n"); }, {"scene.yaml", "map"});
   expectRefused([] { parse(""); }, {"scene.yaml", "map"});
   expectRefused([] { parse("a: [1, 2\nb: 3\n"); }, {"scene.yaml", "no valid YAML"});
-  expectRefused([] { parse("cutting:\n").map("cutting"); }, {"scene.yaml:1", "cutting", "{} for all defaults"});
+  expectRefused([] { parse("cutting:\n").map("cutting"); },
+                {"scene.yaml:1", "cutting", "{} for all defaults"});
   expectRefused([] { YamlMap::load("/no/such/file.yaml"); }, {"/no/such/file.yaml", "cannot be opened"});
 }
 
@@ -146,7 +150,11 @@ TEST(YamlReader, ChoosesAmongWordsAndKeys) {
       {"mode = dynamik", "dynamic, static", "did you mean dynamic?"});
   EXPECT_EQ(parse("box: {}\n").oneOf({"box", "ball"}), "box");
   expectRefused([] { parse("box: {}\nball: {}\n").oneOf({"box", "ball"}); }, {"exactly one of box, ball"});
-  expectRefused([] { parse("bxo: {}\n").oneOf({"box", "ball"}); }, {"exactly one of box, ball", "did you mean box?"});
+  expectRefused(
+      [] {
+        parse("bxo: {}\n").oneOf({"box", "ball"});
+      },
+      {"exactly one of box, ball", "did you mean box?"});
 }
 
 TEST(YamlReader, WritesNumbersThatReadBack) {
