@@ -36,7 +36,7 @@ void setVolumeAndMeanGradient(const CellSurface& surface, const Eigen::Matrix3Xd
     for (const int parent : surface.parents[i]) flux.col(parent) += share;
   }
   element.volume = sixfold_volume / 6;
-  POLYSCALPEL_ASSERT(element.volume > 0);
+  requirePositive("volume of a cell", element.volume);
   element.mean_gradient = flux.leftCols(surface.num_vertices) / element.volume;
 }
 
