@@ -1,0 +1,167 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The services of a paused node: cut, step, set_paused, reset, and what they refuse."""
+import math
+import os
+import sys
+import unittest
+
+import rospy
+import rostest
+from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+from std_msgs.msg import Header
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from bridge_testing import Listener, Services, namespaces, shapes, wait_until  # noqa: E402
+
+
+class ServicesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node('services_rostest')
+        cls.services = Services()
+        cls.listener = Listener()
+        cls.start = shapes(cls.listener.mesh[0])
+
+    def setUp(self):
+        self.services.set_paused(True)
+        self.assertTrue(self.services.reset().success)
+        wait_until(lambda: self.listener.status[-1].cells == 27 and self.listener.status[-1].step == 0, 'the reset')
+        self.listener.clear()
+
+    def cut_plane(self, point, normal, **others):
+        return self.services.cut(plane_points=[Point(*point)], plane_normals=[Vector3(*normal)], **others)
+
+    def test_a_plane_makes_two_pieces_and_status_agrees(self):
+        response = self.cut_plane((0.015, 0, 0), (1, 0, 0))
+        self.assertTrue(response.success, response.message)
+        self.assertEqual((response.pieces_before, response.pieces, response.cells, response.cells_split), (1, 2, 36, 9))
+        self.assertAlmostEqual(response.cut_area_m2, 9e-4, 12)
+        wait_until(lambda: self.listener.status and self.listener.status[-1].cuts == 1 and self.listener.cuts, 'the cut')
+        status = self.listener.status[-1]
+        self.assertEqual((status.pieces, status.cells, status.cells_left_whole), (2, 36, 0))
+        self.assertLess(status.volume_relative_error, 1e-12)
+        self.assertEqual(status.header.frame_id, 'world')
+        self.assertEqual(set(status.parts) & {'mesh', 'elements', 'cutting'}, {'mesh', 'elements', 'cutting'})
+        self.assertNotIn('contact', status.parts)
+
+        event = self.listener.cuts[-1]
+        self.assertEqual((event.source, event.header.frame_id, event.pieces_before, event.pieces_after),
+                         ('service', 'world', 1, 2))
+        self.assertEqual(len(event.parents), 9)
+        self.assertEqual(len(event.children), 18)
+        self.assertEqual(set(event.child_parents), set(event.parents))
+        self.assertEqual(event.new_faces, 18)
+
+        self.assertEqual(namespaces(self.listener.mesh[-1]), {'surface', 'cut_faces', 'wireframe', 'pieces'})
+        labels = [m.text for m in self.listener.mesh[-1].markers if m.ns == 'pieces']
+        self.assertEqual(labels, ['piece 1: 13.5 ml', 'piece 2: 13.5 ml'])
+        for marker in self.listener.mesh[-1].markers:
+            self.assertEqual(marker.header.frame_id, 'world')
+
+    def test_three_planes_make_sixty_cells_and_six_pieces(self):
+        response = self.services.cut(plane_points=[Point(0.005, 0, 0), Point(0.015, 0, 0), Point(0, 0.015, 0)],
+                                     plane_normals=[Vector3(1, 0, 0), Vector3(2, 0, 0), Vector3(0, -1, 0)])
+        self.assertTrue(response.success, response.message)
+        self.assertEqual((response.cuts, response.cells, response.pieces), (3, 60, 6))
+
+    def test_polygon_and_sweep_cut_too(self):
+        corners = [Point(0.015, -1, -1), Point(0.015, 1, -1), Point(0.015, 1, 1), Point(0.015, -1, 1)]
+        response = self.services.cut(polygon=corners)
+        self.assertTrue(response.success, response.message)
+        self.assertEqual(response.pieces, 2)
+        upright = Quaternion(0, 0, 0, 1)
+        response = self.services.cut(sweep_edge=[Point(0, 0, -0.01), Point(0, 0, 0.05)],
+                                     sweep_poses=[Pose(Point(-0.01, 0.012, 0), upright), Pose(Point(0.05, 0.018, 0), upright)])
+        self.assertTrue(response.success, response.message)
+        self.assertEqual(response.pieces, 4)
+
+    def test_bad_requests_are_refused_with_a_reason(self):
+        nan = float('nan')
+        upright = Quaternion(0, 0, 0, 1)
+        cases = [
+            ('kinds', dict()),
+            ('longer than 0', dict(plane_points=[Point(0, 0, 0)], plane_normals=[Vector3(0, 0, 0)])),
+            ('finite', dict(plane_points=[Point(nan, 0, 0)], plane_normals=[Vector3(1, 0, 0)])),
+            ('finite', dict(plane_points=[Point(0, 0, 0)], plane_normals=[Vector3(math.inf, 0, 0)])),
+            ('plane_normals', dict(plane_points=[Point(0, 0, 0)])),
+            ('3 corners', dict(polygon=[Point(0, 0, 0)])),
+            ('', dict(polygon=[Point(0, 0, 0), Point(0, 0, 1), Point(0, 0, 2)])),
+            ('', dict(polygon=[Point(0, 0, 0), Point(1, 0, 0), Point(1, 1, 0.5), Point(0, 1, 0)])),
+            ('at least 2', dict(sweep_edge=[Point(0, 0, 0)], sweep_poses=[Pose(Point(0, 0, 0), upright)] * 2)),
+            ('unit quaternion', dict(sweep_edge=[Point(0, 0, 0), Point(0, 0, 1)], sweep_poses=[Pose(), Pose()])),
+            ('kinds', dict(polygon=[Point(0, 0, 0)] * 3, sweep_edge=[Point(0, 0, 0)])),
+            ('', dict(plane_points=[Point(1, 0, 0)], plane_normals=[Vector3(1, 0, 0)])),  # misses
+        ]
+        for words, request in cases:
+            with self.subTest(request=str(request)):
+                response = self.services.cut(**request)
+                self.assertFalse(response.success)
+                self.assertTrue(response.message)
+                self.assertIn(words, response.message)
+                self.assertEqual((response.cuts, response.pieces, response.cells), (0, 1, 27))
+        request_header = Header(frame_id='nowhere')
+        response = self.cut_plane((0.015, 0, 0), (1, 0, 0), header=request_header)
+        self.assertFalse(response.success)
+        self.assertIn('nowhere', response.message)
+        self.services.set_paused(True)  # publishes the mesh again
+        wait_until(lambda: self.listener.mesh, 'the mesh')
+        self.assertEqual(shapes(self.listener.mesh[-1]), self.start)
+
+    def test_reset_restores_the_start_bit_for_bit(self):
+        self.assertTrue(self.cut_plane((0.015, 0, 0), (1, 0.2, 0)).success)
+        self.assertTrue(self.services.step(20).success)
+        self.services.set_paused(True)
+        wait_until(lambda: self.listener.status and self.listener.status[-1].step == 20, 'the steps')
+        wait_until(lambda: shapes(self.listener.mesh[-1]) != self.start, 'another mesh')
+        self.assertTrue(self.services.reset().success)
+        wait_until(lambda: self.listener.status[-1].step == 0, 'the reset')
+        wait_until(lambda: shapes(self.listener.mesh[-1]) == self.start, 'the same mesh')
+        status = self.listener.status[-1]
+        self.assertEqual((status.cells, status.pieces, status.cuts, status.time_s), (27, 1, 0, 0))
+
+    def test_runs_after_a_reset_are_the_same_bit_for_bit(self):
+        runs = []
+        for _ in range(2):
+            self.services.reset()
+            self.assertTrue(self.cut_plane((0.015, 0, 0), (1, 0.2, 0)).success)
+            self.assertTrue(self.services.step(15).success)
+            self.listener.clear()
+            self.services.set_paused(True)
+            wait_until(lambda: self.listener.mesh, 'the mesh')
+            runs.append(shapes(self.listener.mesh[-1]))
+        self.assertEqual(runs[0], runs[1])
+
+    def test_steps_only_while_paused_and_in_range(self):
+        response = self.services.step(5)
+        self.assertTrue(response.success, response.message)
+        self.assertEqual(response.step, 5)
+        self.assertAlmostEqual(response.time_s, 0.05, 12)
+        for steps in (0, 100001):
+            response = self.services.step(steps)
+            self.assertFalse(response.success)
+            self.assertIn('[1, 100000]', response.message)
+        self.assertEqual(self.services.set_paused(False).message, 'running')
+        response = self.services.step(5)
+        self.assertFalse(response.success)
+        self.assertIn('pause', response.message)
+        wait_until(lambda: self.listener.status[-1].step > 10, 'steps')
+        self.assertEqual(self.services.set_paused(True).message, 'paused')
+        self.assertEqual(self.services.set_paused(True).message, 'was paused already')
+
+    def test_stages_that_the_scene_does_not_build_take_no_time(self):
+        self.assertTrue(self.services.step(3).success)
+        wait_until(lambda: self.listener.status and self.listener.status[-1].step == 3, 'the steps')
+        status = self.listener.status[-1]
+        self.assertEqual((status.detection_s, status.contact_s), (0, 0))
+        self.assertGreater(status.solve_s, 0)
+        self.assertTrue(status.converged)
+
+    def test_diagnostics_name_the_simulation(self):
+        wait_until(lambda: self.listener.diagnostics, 'diagnostics')
+        names = [entry.name for entry in self.listener.diagnostics[-1].status]
+        self.assertEqual(names, ['polyscalpel: simulation'])
+
+
+if __name__ == '__main__':
+    rostest.rosrun('polyscalpel', 'services', ServicesTest)
