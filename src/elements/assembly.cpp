@@ -176,7 +176,7 @@ void Assembly::makeMasses() {
   for (int i = 0; i < numVertices(); ++i) {
     const double missing = mass_floor_kg_ - vertex_masses_[i];
     if (!is_touched_[i] || missing <= 0) continue;
-    vertex_masses_[i] += missing;
+    vertex_masses_[i] = mass_floor_kg_;
     block_masses_[pattern_.column_start[i]] += missing;
     added_mass_ += missing;
   }

@@ -31,17 +31,23 @@ struct StageTimes {
 struct AppliedContact {
   int tool = 0;
   FaceId face;
-  Eigen::Vector3d point_world;           ///< [m]
-  Eigen::Vector3d force_on_tissue_world; ///< [N]
-  double gap_m = 0;                      ///< at the start of the step
+  Eigen::Vector3d point_world;            ///< [m]
+  Eigen::Vector3d force_on_tissue_world;  ///< [N]
+  double gap_m = 0;                       ///< at the start of the step
 };
 
 /// A tool as it acted in a step.
+///
+/// Cutting resistance is the work of fracture, toughness times the area cut in the step, over the travel of
+/// the blade's middle relative to the tissue just opened, against that travel, at the blade's middle; nothing
+/// without travel. The area comes cell by cell, so it acts in bursts whose work is right in the sum. The tool
+/// alone feels it: fracture takes the work, and no force is put on the tissue. So action equals reaction for
+/// the contacts, not for this part.
 struct ToolReport {
-  Wrench wrench_tool;       ///< of the tissue on the tool (contact, friction, cutting resistance), in the tool's frame
-                            ///< at its origin
-  bool enabled = false;     ///< had a pose
-  bool reseated = false;    ///< jumped further than max_jump_m, or had no pose before
+  Wrench wrench_tool;  ///< of the tissue on the tool (contact, friction, cutting resistance), in the tool's
+                       ///< frame at its origin
+  bool enabled = false;   ///< had a pose
+  bool reseated = false;  ///< jumped further than max_jump_m, or had no pose before
   int pending_crossings = 0;
 };
 
@@ -52,9 +58,9 @@ struct CutEvent {
 };
 
 struct StepReport {
-  bool converged = true;          ///< false: the solver failed, the state is as before the step
-  std::string message;            ///< why, when not converged
-  double relative_residual = 0;   ///< |A dv - b| / |b| of the last solve
+  bool converged = true;         ///< false: the solver failed, the state is as before the step
+  std::string message;           ///< why, when not converged
+  double relative_residual = 0;  ///< |A dv - b| / |b| of the last solve
   int solves = 0;
   StageTimes times;
   std::vector<ToolReport> tools;  ///< one a tool of the config
@@ -71,11 +77,13 @@ class Simulation {
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
 
-  /// One step of time_step_s. T_world_tool: for each tool its pose at the end of the step, or nothing where the tool is
-  /// not there. Throws std::invalid_argument for a wrong number of poses or one that is not finite.
+  /// One step of time_step_s. T_world_tool: for each tool its pose at the end of the step, or nothing where
+  /// the tool is not there. Throws std::invalid_argument for a wrong number of poses or one that is not
+  /// finite.
   StepReport step(const std::vector<std::optional<Eigen::Isometry3d>>& T_world_tool);
 
-  /// Cuts the body as it lies, at once. Throws std::invalid_argument for input that is no cut, or a scene without cutting.
+  /// Cuts the body as it lies, at once. Throws std::invalid_argument for input that is no cut, or a scene
+  /// without cutting.
   CutResult cut(const CutOperation& operation);
 
   /// Back to the rest mesh, uncut, at time 0, bit for bit.
@@ -93,13 +101,14 @@ class Simulation {
   const ToolShape* toolShape(int tool) const;
 
   std::int64_t stepCount() const;
-  double time_s() const;             ///< stepCount() * time_step_s
-  double restVolume_m3() const;      ///< of the mesh before any cut
-  int numCuts() const;               ///< cuts made since the start or the last reset
-  int cellsLeftWhole() const;        ///< summed over these cuts
-  double addedMass_kg() const;       ///< by the mass floor
-  double totalEnergy_j() const;      ///< kinetic + elastic + gravity
-  /// Names of the parts built for this scene, of "mesh", "elements", "dynamics", "statics", "contact", "cutting", "tools".
+  double time_s() const;         ///< stepCount() * time_step_s
+  double restVolume_m3() const;  ///< of the mesh before any cut
+  int numCuts() const;           ///< cuts made since the start or the last reset
+  int cellsLeftWhole() const;    ///< summed over these cuts
+  double addedMass_kg() const;   ///< by the mass floor
+  double totalEnergy_j() const;  ///< kinetic + elastic + gravity
+  /// Names of the parts built for this scene, of "mesh", "elements", "dynamics", "statics", "contact",
+  /// "cutting", "tools".
   const std::vector<std::string>& parts() const;
   /// What a user should know about the mesh file.
   const std::vector<std::string>& remarks() const;

@@ -20,9 +20,9 @@ namespace polyscalpel {
 /// A box of cells made by our own generator.
 struct BoxMeshConfig {
   Eigen::Vector3d lowest_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d size_m = Eigen::Vector3d::Constant(0.1);   ///< each > 0
-  Eigen::Vector3i counts = Eigen::Vector3i::Constant(3);     ///< cells an edge, each in [1, 200]
-  bool tetrahedra = false;                                   ///< five tets a cube instead of hexahedra
+  Eigen::Vector3d size_m = Eigen::Vector3d::Constant(0.1);  ///< each > 0
+  Eigen::Vector3i counts = Eigen::Vector3i::Constant(3);    ///< cells an edge, each in [1, 200]
+  bool tetrahedra = false;                                  ///< five tets a cube instead of hexahedra
 };
 
 /// A ball of tets made by our own generator.
@@ -55,20 +55,20 @@ enum class AnalysisMode {
 
 struct IntegrationConfig {
   AnalysisMode mode = AnalysisMode::kDynamic;
-  double time_step_s = 0.01;               ///< h, in [1e-6, 1]
-  double mass_damping_per_s = 0.1;         ///< Rayleigh: D = this * M + stiffness_damping_s * K; >= 0
-  double stiffness_damping_s = 0.01;       ///< >= 0
+  double time_step_s = 0.01;          ///< h, in [1e-6, 1]
+  double mass_damping_per_s = 0.1;    ///< Rayleigh: D = this * M + stiffness_damping_s * K; >= 0
+  double stiffness_damping_s = 0.01;  ///< >= 0
   Eigen::Vector3d gravity_m_s2 = Eigen::Vector3d(0, 0, -9.81);
-  int contact_iterations = 3;              ///< in [1, 20]: solves a step, at most, to let go of contacts that would pull
-  double mass_floor = 0.02;                ///< in [0, 1]: lowest vertex mass as a part of the median rest mass
+  int contact_iterations = 3;  ///< in [1, 20]: solves a step, at most, to let go of contacts that would pull
+  double mass_floor = 0.02;    ///< in [0, 1]: lowest vertex mass as a part of the median rest mass
 };
 
 struct ToolConfig {
-  std::string name = "tool";              ///< a ROS name: letters, digits, _
-  std::optional<ShapeConfig> shape;       ///< none: no contact
+  std::string name = "tool";                        ///< a ROS name: letters, digits, _
+  std::optional<ShapeConfig> shape;                 ///< none: no contact
   std::optional<Eigen::Matrix3Xd> blade_edge_tool;  ///< 3 x k, k >= 2 [m]; none: does not cut
-  double max_jump_m = 0.05;               ///< > 0: a longer way of any part of the tool in one step re-seats the tool: no
-                                          ///< sweep, no contact force in that step
+  double max_jump_m = 0.05;  ///< > 0: a longer way of any part of the tool in one step re-seats the tool: no
+                             ///< sweep, no contact force in that step
 };
 
 /// Everything a simulation is made from. A part that is not asked for is not built.
@@ -78,13 +78,13 @@ struct SimulationConfig {
   ElementConfig element;
   std::vector<FixedRegion> fixed;
   IntegrationConfig integration;
-  std::optional<CuttingConfig> cutting;   ///< none: neither blades nor the cut service
-  std::optional<ContactConfig> contact;   ///< none: no collision surface, no contact forces
+  std::optional<CuttingConfig> cutting;  ///< none: neither blades nor the cut service
+  std::optional<ContactConfig> contact;  ///< none: no collision surface, no contact forces
   std::vector<ToolConfig> tools;
 };
 
-/// Throws std::invalid_argument with the field's path, value and range; also for two tools of one name, a blade without
-/// cutting, a static scene with contact, tools or nothing fixed.
+/// Throws std::invalid_argument with the field's path, value and range; also for two tools of one name, a
+/// blade without cutting, a static scene with contact, tools or nothing fixed.
 void validate(const SimulationConfig& config);
 
 }  // namespace polyscalpel

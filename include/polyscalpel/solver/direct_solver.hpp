@@ -42,7 +42,8 @@ class DirectSolver {
   DirectSolver(DirectSolver&&) noexcept;
   DirectSolver& operator=(DirectSolver&&) noexcept;
 
-  /// Orders and analyses a pattern. The first one decides between two kinds of orderings for all later ones. fixed: one flag a vertex. Forgets any factor.
+  /// Orders and analyses a pattern. The first one decides between two kinds of orderings for all later ones.
+  /// fixed: one flag a vertex. Forgets any factor.
   SolveStatus analyse(const BlockPattern& pattern, const std::vector<bool>& fixed);
 
   /// Factors the matrix on the pattern last analysed. Keeps the matrix, for residuals.

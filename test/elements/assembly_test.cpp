@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/elements/assembly.hpp"
+
+#include <algorithm>
+#include <random>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "polyscalpel/cutting/cut_mesh.hpp"
+#include "polyscalpel/elements/corotation.hpp"
+#include "polyscalpel/mesh/mesh_generation.hpp"
+
+namespace polyscalpel {
+namespace {
+
+const IsotropicMaterial kMaterial{2e4, 0.4, 1100};
+
+PolyhedralMesh makeTets() {
+  return makeTetBox({0, 0, 0}, {0.2, 0.1, 0.1}, {4, 2, 2});
+}
+PolyhedralMesh makeHexes() {
+  return makeHexBox({0, 0, 0}, {0.2, 0.1, 0.1}, {4, 2, 2});
+}
+
+/// A mesh of general polyhedra, and what the oblique cut that made it changed.
+PolyhedralMesh makePolyhedra(MeshChange* change = nullptr) {
+  PolyhedralMesh mesh = makeHexes();
+  const PlaneCut plane{{0.093, 0.052, 0.047}, {1, 0.4, 0.3}};
+  const CutResult result = cutMesh(mesh, mesh.restPositions(), plane, CuttingConfig(), 1);
+  EXPECT_EQ(result.status, CutStatus::kCut) << result.message;
+  if (change) *change = result.change;
+  return mesh;
+}
+
+Eigen::Matrix3Xd shake(const PolyhedralMesh& mesh, double amplitude, unsigned seed) {
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<double> uniform(-amplitude, amplitude);
+  Eigen::Matrix3Xd positions = mesh.restPositions();
+  for (double& coordinate : positions.reshaped()) coordinate += uniform(engine);
+  return positions;
+}
+
+Eigen::Matrix3d someRotation() {
+  return Eigen::AngleAxisd(2.3, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+}
+
+// f = sum R K (R^T x - X) and its matrix sum R K R^T, cell by cell and dense, straight from the element's
+// matrices.
+void assembleDense(const PolyhedralMesh& mesh, const ElementConfig& config, const Eigen::Matrix3Xd& positions,
+                   Eigen::MatrixXd& matrix, Eigen::VectorXd& forces) {
+  matrix.setZero(3 * mesh.numVertices(), 3 * mesh.numVertices());
+  forces.setZero(3 * mesh.numVertices());
+  for (const CellId id : mesh.cells()) {
+    const ElementMatrices element =
+        makeElementMatrices(makeCellSurface(mesh, id, mesh.restPositions()), kMaterial, config);
+    std::vector<int> vertices, dofs;
+    for (const VertexId vertex : mesh.cell(id).vertices) {
+      vertices.push_back(vertex.index());
+      for (int c = 0; c < 3; ++c) dofs.push_back(3 * vertex.index() + c);
+    }
+    const Eigen::Matrix3Xd x = positions(Eigen::all, vertices);
+    const Eigen::Matrix3Xd X = mesh.restPositions()(Eigen::all, vertices);
+    Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+    if (config.corotated) R = polarRotation(meanDeformationGradient(x, element.mean_gradient));
+    Eigen::MatrixXd rotation = Eigen::MatrixXd::Zero(dofs.size(), dofs.size());
+    for (std::size_t i = 0; i < vertices.size(); ++i) rotation.block<3, 3>(3 * i, 3 * i) = R;
+    const Eigen::Matrix3Xd u = R.transpose() * x - X;
+    matrix(dofs, dofs) += rotation * element.stiffness * rotation.transpose();
+    forces(dofs) += rotation * (element.stiffness * Eigen::VectorXd(u.reshaped()));
+  }
+}
+
+Eigen::MatrixXd toDense(const BlockPattern& pattern, const Blocks& blocks) {
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(3 * pattern.numVertices(), 3 * pattern.numVertices());
+  for (int column = 0; column < pattern.numVertices(); ++column) {
+    for (int k = pattern.column_start[column]; k < pattern.column_start[column + 1]; ++k) {
+      dense.block<3, 3>(3 * pattern.row[k], 3 * column) = blocks[k];
+      dense.block<3, 3>(3 * column, 3 * pattern.row[k]) = blocks[k].transpose();
+    }
+  }
+  return dense;
+}
+
+TEST(Assembly, SumsTheCellsMatricesAndForces) {
+  for (const PolyhedralMesh& mesh : {makeTets(), makeHexes(), makePolyhedra()}) {
+    for (const bool corotated : {true, false}) {
+      ElementConfig config;
+      config.corotated = corotated;
+      Assembly assembly(mesh, kMaterial, config, 0);
+      const Eigen::Matrix3Xd positions = someRotation() * shake(mesh, 0.005, 1);
+      Eigen::MatrixXd matrix;
+      Eigen::VectorXd expected;
+      assembleDense(mesh, config, positions, matrix, expected);
+      assembly.updateRotations(positions);
+      Blocks blocks;
+      assembly.assemble(0, 1, blocks);
+      Eigen::Matrix3Xd forces;
+      assembly.internalForces(positions, forces);
+      EXPECT_LT((toDense(assembly.pattern(), blocks) - matrix).norm(), 1e-12 * matrix.norm());
+      EXPECT_LT((forces.reshaped() - expected).norm(), 1e-12 * matrix.norm() * positions.norm());
+    }
+  }
+}
+
+TEST(Assembly, RigidMotionGivesNoForceAndNoEnergy) {
+  const Eigen::Vector3d far_away(1e3, -2e3, 5e2);
+  for (const PolyhedralMesh& mesh : {makeTets(), makePolyhedra()}) {
+    Assembly assembly(mesh, kMaterial, ElementConfig(), 0);
+    Blocks blocks;
+    assembly.assemble(0, 1, blocks);
+    const double scale = toDense(assembly.pattern(), blocks).norm();
+    for (const Eigen::Vector3d& shift : {Eigen::Vector3d(0.3, 0.1, -0.2), far_away}) {
+      const Eigen::Matrix3Xd positions = (someRotation() * mesh.restPositions()).colwise() + shift;
+      const double rounding = 1e-15 * (shift.norm() + positions.norm());
+      Eigen::Matrix3Xd forces;
+      assembly.updateRotations(positions);
+      assembly.internalForces(positions, forces);
+      EXPECT_LT(forces.norm(), 100 * scale * rounding);
+      EXPECT_LT(assembly.elasticEnergy(positions), 100 * scale * rounding * rounding);
+      EXPECT_GE(assembly.elasticEnergy(positions), 0);
+    }
+  }
+}
+
+TEST(Assembly, ForceIsLinearInPositionsUnderHeldRotations) {
+  const PolyhedralMesh mesh = makePolyhedra();
+  Assembly assembly(mesh, kMaterial, ElementConfig(), 0);
+  const Eigen::Matrix3Xd a = shake(mesh, 0.01, 2), b = shake(mesh, 0.01, 3);
+  assembly.updateRotations(a);
+  Blocks blocks;
+  assembly.assemble(0, 1, blocks);
+  Eigen::Matrix3Xd force_a, force_b;
+  assembly.internalForces(a, force_a);
+  assembly.internalForces(b, force_b);
+  const Eigen::Matrix3Xd expected = multiply(assembly.pattern(), blocks, b - a);
+  EXPECT_LT((force_b - force_a - expected).norm(), 1e-12 * expected.norm());
+}
+
+TEST(Assembly, LinearEnergyIsTheQuadraticForm) {
+  ElementConfig config;
+  config.corotated = false;
+  const PolyhedralMesh mesh = makePolyhedra();
+  Assembly assembly(mesh, kMaterial, config, 0);
+  const Eigen::Matrix3Xd positions = shake(mesh, 0.01, 4), u = positions - mesh.restPositions();
+  Blocks blocks;
+  assembly.assemble(0, 1, blocks);
+  const double expected = 0.5 * u.cwiseProduct(multiply(assembly.pattern(), blocks, u)).sum();
+  EXPECT_NEAR(assembly.elasticEnergy(positions), expected, 1e-12 * expected);
+}
+
+TEST(Assembly, MassSumsToDensityTimesVolume) {
+  for (const PolyhedralMesh& mesh : {makeTets(), makePolyhedra()}) {
+    for (const bool consistent : {true, false}) {
+      ElementConfig config;
+      config.consistent_mass = consistent;
+      Assembly assembly(mesh, kMaterial, config, 0);
+      const double total = 1100 * 0.2 * 0.1 * 0.1;
+      EXPECT_NEAR(assembly.vertexMasses().sum(), total, 1e-12 * total);
+      EXPECT_EQ(assembly.addedMass_kg(), 0);
+      Eigen::Matrix3Xd product;
+      assembly.multiplyMass(Eigen::Matrix3Xd::Ones(3, mesh.numVertices()), product);
+      EXPECT_LT((product.row(1).transpose() - assembly.vertexMasses()).norm(), 1e-12 * total);
+      Blocks blocks;
+      assembly.assemble(1, 0, blocks);
+      const Eigen::Matrix3Xd values = Eigen::Matrix3Xd::Random(3, mesh.numVertices());
+      assembly.multiplyMass(values, product);
+      EXPECT_LT((multiply(assembly.pattern(), blocks, values) - product).norm(),
+                1e-14 * total * values.norm());
+    }
+  }
+}
+
+TEST(Assembly, FollowsACutAsIfMadeAnew) {
+  for (const bool tetrahedra : {true, false}) {
+    for (const bool consistent : {true, false}) {
+      ElementConfig config;
+      config.consistent_mass = consistent;
+      PolyhedralMesh mesh = tetrahedra ? makeTets() : makeHexes();
+      Assembly assembly(mesh, kMaterial, config, 0);
+      const PlaneCut planes[] = {{{0.093, 0.052, 0.047}, {1, 0.4, 0.3}},
+                                 {{0.1, 0.048, 0.05}, {0.2, 1, -0.3}}};
+      int cut = 0;
+      for (const PlaneCut& plane : planes) {
+        const CutResult result = cutMesh(mesh, mesh.restPositions(), plane, CuttingConfig(), ++cut);
+        ASSERT_EQ(result.status, CutStatus::kCut) << result.message;
+        assembly.update(mesh, result.change);
+      }
+      Assembly anew(mesh, kMaterial, config, 0);
+      EXPECT_EQ(assembly.pattern().row, anew.pattern().row);
+      EXPECT_EQ(assembly.pattern().column_start, anew.pattern().column_start);
+      EXPECT_EQ(assembly.vertexMasses(), anew.vertexMasses());
+      const Eigen::Matrix3Xd positions = shake(mesh, 0.003, 5);
+      assembly.updateRotations(positions);
+      anew.updateRotations(positions);
+      Blocks blocks, blocks_anew;
+      assembly.assemble(2, 3, blocks);
+      anew.assemble(2, 3, blocks_anew);
+      EXPECT_EQ(blocks, blocks_anew);
+      Eigen::Matrix3Xd forces, forces_anew;
+      assembly.internalForces(positions, forces);
+      anew.internalForces(positions, forces_anew);
+      EXPECT_EQ(forces, forces_anew);
+    }
+  }
+}
+
+TEST(Assembly, MassFloorHoldsWhereACutHasBeenAndNowhereElse) {
+  constexpr double kFloor = 0.5;  // high, so that the cut's vertices are below it
+  PolyhedralMesh mesh = makeTets();
+  Assembly assembly(mesh, kMaterial, ElementConfig(), kFloor);
+  const Eigen::VectorXd masses_before = assembly.vertexMasses();
+  EXPECT_EQ(masses_before, Assembly(mesh, kMaterial, ElementConfig(), 0).vertexMasses());
+  std::vector<double> sorted(masses_before.begin(), masses_before.end());
+  std::sort(sorted.begin(), sorted.end());
+  const double lowest = kFloor * sorted[sorted.size() / 2];
+  ASSERT_LT(sorted.front(), lowest);  // or the last expectation says nothing
+
+  const CutResult result =
+      cutMesh(mesh, mesh.restPositions(), PlaneCut{{0.06, 0, 0}, {1, 0.1, 0.05}}, CuttingConfig(), 1);
+  ASSERT_EQ(result.status, CutStatus::kCut) << result.message;
+  assembly.update(mesh, result.change);
+  std::vector<bool> touched(mesh.numVertices(), false);
+  const auto touch = [&](CellId cell) {
+    for (const VertexId vertex : mesh.cell(cell).vertices) touched[vertex.index()] = true;
+  };
+  for (const NewCell& cell : result.change.new_cells) touch(cell.cell);
+  for (const CellId cell : result.change.changed_cells) touch(cell);
+  int num_below = 0;
+  for (int i = 0; i < mesh.numVertices(); ++i) {
+    if (touched[i]) {
+      EXPECT_GE(assembly.vertexMasses()[i], lowest);
+    } else {
+      EXPECT_EQ(assembly.vertexMasses()[i], masses_before[i]);
+      num_below += assembly.vertexMasses()[i] < lowest;
+    }
+  }
+  EXPECT_GT(num_below, 0);
+  EXPECT_GT(assembly.addedMass_kg(), 0);
+  const double total = 1100 * 0.2 * 0.1 * 0.1;
+  EXPECT_NEAR(assembly.vertexMasses().sum(), total + assembly.addedMass_kg(), 1e-12 * total);
+}
+
+TEST(Assembly, RefusesBadConfig) {
+  const PolyhedralMesh mesh = makeHexes();
+  EXPECT_THROW(Assembly(mesh, {-1, 0.4, 1000}, ElementConfig(), 0), std::invalid_argument);
+  EXPECT_THROW(Assembly(mesh, kMaterial, ElementConfig(), -0.1), std::invalid_argument);
+  EXPECT_THROW(Assembly(mesh, kMaterial, ElementConfig(), 1.1), std::invalid_argument);
+  ElementConfig config;
+  config.quadrature_points = 7;
+  EXPECT_THROW(Assembly(mesh, kMaterial, config, 0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace polyscalpel

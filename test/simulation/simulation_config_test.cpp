@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/simulation/simulation_config.hpp"
+
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace polyscalpel {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kTiny = 1e-12;
+
+/// A scene with every part.
+SimulationConfig fullScene() {
+  SimulationConfig config;
+  config.mesh = BoxMeshConfig();
+  config.fixed = {FixedBox(), FixedSphere{Eigen::Vector3d::Zero(), 0.1}, FixedVertices{{0, 3}}};
+  config.cutting = CuttingConfig();
+  config.contact = ContactConfig();
+  ToolConfig tool;
+  tool.name = "scalpel_1";
+  tool.shape = ShapeConfig();
+  tool.blade_edge_tool = (Eigen::Matrix3Xd(3, 2) << 0, 0, 0, 0, 0, 0.1).finished();
+  config.tools = {tool};
+  return config;
+}
+
+using Setter = std::function<void(SimulationConfig&, double)>;
+
+void expectAccepted(const Setter& set, double value) {
+  SimulationConfig config = fullScene();
+  set(config, value);
+  EXPECT_NO_THROW(validate(config)) << value;
+}
+
+void expectRefused(const std::string& name, const Setter& set, double value) {
+  SimulationConfig config = fullScene();
+  set(config, value);
+  try {
+    validate(config);
+    ADD_FAILURE() << name << " = " << value << " was accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+  }
+}
+
+struct Bound {
+  std::string name;
+  Setter set;
+  std::vector<double> accepted;
+  std::vector<double> refused;
+};
+
+void check(const Bound& bound) {
+  for (const double value : bound.accepted) expectAccepted(bound.set, value);
+  for (const double value : bound.refused) expectRefused(bound.name, bound.set, value);
+  expectRefused(bound.name, bound.set, kNan);
+  expectRefused(bound.name, bound.set, kInfinity);
+}
+
+TEST(SimulationConfig, DefaultsAndAFullSceneAreValid) {
+  EXPECT_NO_THROW(validate(SimulationConfig()));
+  EXPECT_NO_THROW(validate(fullScene()));
+}
+
+TEST(SimulationConfig, HoldsEveryBoundOfItsNumbers) {
+  const Bound bounds[] = {
+      {"integration.time_step_s",
+       [](SimulationConfig& c, double v) { c.integration.time_step_s = v; },
+       {1e-6, 1e-6 + kTiny, 1, 1 - kTiny},
+       {1e-6 - kTiny, 1 + kTiny, 0, -0.01}},
+      {"integration.mass_damping_per_s",
+       [](SimulationConfig& c, double v) { c.integration.mass_damping_per_s = v; },
+       {0, kTiny, 1e6},
+       {-kTiny}},
+      {"integration.stiffness_damping_s",
+       [](SimulationConfig& c, double v) { c.integration.stiffness_damping_s = v; },
+       {0, kTiny, 1e6},
+       {-kTiny}},
+      {"integration.gravity_m_s2",
+       [](SimulationConfig& c, double v) { c.integration.gravity_m_s2[1] = v; },
+       {0, -20, 20},
+       {-kInfinity}},
+      {"integration.mass_floor",
+       [](SimulationConfig& c, double v) { c.integration.mass_floor = v; },
+       {0, kTiny, 1, 1 - kTiny},
+       {-kTiny, 1 + kTiny}},
+      {"tools[0].max_jump_m",
+       [](SimulationConfig& c, double v) { c.tools[0].max_jump_m = v; },
+       {kTiny, 10},
+       {0, -kTiny}},
+      {"tools[0].blade_edge_tool",
+       [](SimulationConfig& c, double v) { (*c.tools[0].blade_edge_tool)(2, 1) = v; },
+       {0.1, -0.1},
+       {0}},
+      {"mesh.size_m[2]",
+       [](SimulationConfig& c, double v) { std::get<BoxMeshConfig>(c.mesh).size_m[2] = v; },
+       {kTiny, 10},
+       {0, -kTiny}},
+      {"mesh.lowest_m",
+       [](SimulationConfig& c, double v) { std::get<BoxMeshConfig>(c.mesh).lowest_m[0] = v; },
+       {-1, 0, 1},
+       {-kInfinity}},
+      {"mesh.centre_m",
+       [](SimulationConfig& c, double v) {
+         c.mesh = BallMeshConfig{{0, v, 0}, 1, 2};
+       },
+       {-1, 0},
+       {}},
+      {"mesh.radius_m",
+       [](SimulationConfig& c, double v) {
+         c.mesh = BallMeshConfig{{0, 0, 0}, v, 2};
+       },
+       {kTiny, 1},
+       {0, -kTiny}},
+      {"mesh.scale",
+       [](SimulationConfig& c, double v) {
+         c.mesh = MeshFileConfig{"a.msh", v, 0};
+       },
+       {kTiny, 1000},
+       {0, -kTiny}},
+      {"mesh.cell_size_m",
+       [](SimulationConfig& c, double v) {
+         c.mesh = MeshFileConfig{"a.msh", 1, v};
+       },
+       {0, kTiny, 1},
+       {-kTiny}},
+      {"fixed[0].lowest_m",
+       [](SimulationConfig& c, double v) {
+         c.fixed[0] = FixedBox{{0, v, 0}, {1, 1, 1}};
+       },
+       {-1, 1},
+       {-kInfinity}},
+      {"fixed[0].highest_m[1]",
+       [](SimulationConfig& c, double v) {
+         c.fixed[0] = FixedBox{{0, 0, 0}, {1, v, 1}};
+       },
+       {0, kTiny},
+       {-kTiny}},
+      {"fixed[1].radius_m",
+       [](SimulationConfig& c, double v) {
+         c.fixed[1] = FixedSphere{{0, 0, 0}, v};
+       },
+       {kTiny, 1},
+       {0, -kTiny}},
+      {"fixed[1].centre_m",
+       [](SimulationConfig& c, double v) {
+         c.fixed[1] = FixedSphere{{v, 0, 0}, 1};
+       },
+       {-1, 1},
+       {}},
+      // One of each nested struct: it is looked at, and its path is told. Their own tests hold all their
+      // bounds.
+      {"material.youngs_modulus_pa",
+       [](SimulationConfig& c, double v) { c.material.youngs_modulus_pa = v; },
+       {1},
+       {0}},
+      {"material.poisson_ratio",
+       [](SimulationConfig& c, double v) { c.material.poisson_ratio = v; },
+       {0.49},
+       {0.5, -1}},
+      {"element.stabilisation_scale",
+       [](SimulationConfig& c, double v) { c.element.stabilisation_scale = v; },
+       {2},
+       {0}},
+      {"cutting.snap_tolerance",
+       [](SimulationConfig& c, double v) { c.cutting->snap_tolerance = v; },
+       {0.1},
+       {0.21, 0}},
+      {"contact.stiffness_pa_m",
+       [](SimulationConfig& c, double v) { c.contact->stiffness_pa_m = v; },
+       {1},
+       {0}},
+      {"tools[0].shape.radius_m",
+       [](SimulationConfig& c, double v) { c.tools[0].shape->radius_m = v; },
+       {1},
+       {0}},
+  };
+  for (const Bound& bound : bounds) check(bound);
+}
+
+TEST(SimulationConfig, HoldsEveryBoundOfItsCounts) {
+  const auto set_counts = [](SimulationConfig& c, double v) {
+    std::get<BoxMeshConfig>(c.mesh).counts[1] = int(v);
+  };
+  const auto set_ball = [](SimulationConfig& c, double v) { c.mesh = BallMeshConfig{{0, 0, 0}, 1, int(v)}; };
+  const auto set_solves = [](SimulationConfig& c, double v) { c.integration.contact_iterations = int(v); };
+  const auto set_vertex = [](SimulationConfig& c, double v) { c.fixed[2] = FixedVertices{{4, int(v)}}; };
+  for (const double value : {1, 2, 199, 200}) expectAccepted(set_counts, value);
+  for (const double value : {-1, 0, 201}) expectRefused("mesh.counts[1]", set_counts, value);
+  for (const double value : {1, 2, 39, 40}) expectAccepted(set_ball, value);
+  for (const double value : {-1, 0, 41}) expectRefused("mesh.half_count", set_ball, value);
+  for (const double value : {1, 2, 19, 20}) expectAccepted(set_solves, value);
+  for (const double value : {-1, 0, 21}) expectRefused("integration.contact_iterations", set_solves, value);
+  for (const double value : {0, 1}) expectAccepted(set_vertex, value);
+  expectRefused("fixed[2].vertices", set_vertex, -1);
+}
+
+TEST(SimulationConfig, RefusesWhatDoesNotGoTogether) {
+  const auto refuse = [](const std::string& name, const std::function<void(SimulationConfig&)>& change) {
+    expectRefused(
+        name, [&](SimulationConfig& config, double) { change(config); }, 0);
+  };
+  refuse("tools[1].name", [](SimulationConfig& c) { c.tools.push_back(c.tools[0]); });
+  for (const char* name : {"", "1st", "my tool", "a/b", "_a", "a-b"}) {
+    refuse("tools[0].name", [&](SimulationConfig& c) { c.tools[0].name = name; });
+  }
+  refuse("tools[0].blade_edge_tool", [](SimulationConfig& c) { c.cutting.reset(); });
+  refuse("tools[0].blade_edge_tool",
+         [](SimulationConfig& c) { c.tools[0].blade_edge_tool = Eigen::Matrix3Xd(3, 1); });
+  refuse("mesh.path", [](SimulationConfig& c) { c.mesh = MeshFileConfig(); });
+  refuse("fixed[2].vertices", [](SimulationConfig& c) { c.fixed[2] = FixedVertices(); });
+  const auto make_static = [](SimulationConfig& c) {
+    c.integration.mode = AnalysisMode::kStatic;
+    c.contact.reset();
+    c.tools.clear();
+  };
+  SimulationConfig config = fullScene();
+  make_static(config);
+  EXPECT_NO_THROW(validate(config));
+  refuse("contact", [&](SimulationConfig& c) { make_static(c), c.contact = ContactConfig(); });
+  refuse("tools", [&](SimulationConfig& c) { make_static(c), c.tools.resize(1); });
+  refuse("fixed", [&](SimulationConfig& c) { make_static(c), c.fixed.clear(); });
+}
+
+}  // namespace
+}  // namespace polyscalpel
