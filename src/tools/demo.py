@@ -40,6 +40,15 @@ def free_port():
         return listener.getsockname()[1]
 
 
+def use_new_master():
+    """Sends this program and all it starts to a master on a port of its own; roslaunch is to start it there."""
+    os.environ["ROS_MASTER_URI"] = f"http://localhost:{free_port()}"
+
+
+def master_port():
+    return os.environ["ROS_MASTER_URI"].rpartition(":")[2]
+
+
 def has_screen():
     if not os.environ.get("DISPLAY"):
         return False
@@ -56,6 +65,7 @@ class Progress:
         self._end_s = end_s
         self._is_terminal = sys.stdout.isatty()
         self._shown_at = 0.0
+        self._shown_step = -1
         self.last = None
         self.last_step_at = time.monotonic()
         self._subscriber = rospy.Subscriber("status", StepStatus, self._on_status, queue_size=1000)
@@ -67,10 +77,11 @@ class Progress:
 
     def show(self, is_last=False):
         now = time.monotonic()
-        if self.last is None or (not is_last and now - self._shown_at < (0.2 if self._is_terminal else 2.0)):
-            return
-        self._shown_at = now
         status = self.last
+        if status is None or (not is_last and (status.step == self._shown_step or
+                                               now - self._shown_at < (0.2 if self._is_terminal else 2.0))):
+            return
+        self._shown_at, self._shown_step = now, status.step
         line = (f"  {status.time_s:6.2f} of {self._end_s:.2f} s   {status.steps_per_second:6.1f} steps/s   "
                 f"{status.cells} cells   {status.pieces} piece{'s' if status.pieces != 1 else ''}   "
                 f"{status.contacts} contacts")
@@ -92,7 +103,7 @@ def simulate(children, arguments, bag, end_s):
     """Runs demo.launch until the tool has come to the end of its path."""
     screen = has_screen() and not arguments.no_rviz
     launch = children.start("simulation", [
-        "roslaunch", "--wait", "polyscalpel", "demo.launch", f"bag:={bag}", f"scene:={arguments.scene}",
+        "roslaunch", "-p", master_port(), "polyscalpel", "demo.launch", f"bag:={bag}", f"scene:={arguments.scene}",
         f"path:={arguments.path}", f"rviz:={'true' if screen else 'false'}"])
     log = children.log_path("simulation")
     print("Simulating" + (", shown in rviz" if screen else ""), flush=True)
@@ -111,7 +122,7 @@ def simulate(children, arguments, bag, end_s):
             last = progress.last
             if last is not None and not last.converged:
                 raise DemoError(f"step {last.step} failed: {last.message}")
-            if last is not None and last.time_s > end_s - 2.5 * last.time_step_s:
+            if last is not None and last.time_s >= end_s - 0.5 * last.time_step_s:
                 break
         if time.monotonic() - (progress.last_step_at if progress else started) > STALL_S:
             raise DemoError(f"no step for {STALL_S} s, see {log}:\n{log_tail(log)}")
@@ -122,7 +133,7 @@ def simulate(children, arguments, bag, end_s):
     return launch
 
 
-def picture_times(bag):
+def picture_time(bag):
     """Seconds after the bag's start of the last moment before the first cut."""
     with rosbag.Bag(bag) as recorded:
         for _, _, stamp in recorded.read_messages(topics=["/cut_events"]):
@@ -144,10 +155,9 @@ def demonstrate(children, arguments):
 
     print("Taking pictures in rviz", flush=True)
     before, after = (os.path.join(arguments.output, name) for name in ("before.png", "after.png"))
-    os.environ["ROS_MASTER_URI"] = f"http://localhost:{free_port()}"
-    port = os.environ["ROS_MASTER_URI"].rpartition(":")[2]
-    pictures.make_pictures(children, ["roslaunch", "-p", port, "polyscalpel", "playback.launch", "bag:=",
-                                      "rviz_args:=--fullscreen"], bag, [(picture_times(bag), before), (None, after)])
+    use_new_master()
+    pictures.make_pictures(children, ["roslaunch", "-p", master_port(), "polyscalpel", "playback.launch", "bag:=",
+                                      "rviz_args:=--fullscreen"], bag, [(picture_time(bag), before), (None, after)])
     summary["pictures"] = [before, after]
 
     path = os.path.join(arguments.output, "summary.json")
@@ -184,8 +194,8 @@ def main():
     shutil.rmtree(arguments.output, ignore_errors=True)
     logs = os.path.join(arguments.output, "log")
     os.makedirs(logs, mode=0o700)
-    os.environ.update(ROS_MASTER_URI=f"http://localhost:{free_port()}", ROS_HOSTNAME="localhost", ROS_HOME=logs,
-                      ROS_LOG_DIR=logs, PYTHONUNBUFFERED="1")
+    os.environ.update(ROS_HOSTNAME="localhost", ROS_HOME=logs, ROS_LOG_DIR=logs, PYTHONUNBUFFERED="1")
+    use_new_master()
     children = ChildProcesses(logs)
     try:
         demonstrate(children, arguments)
