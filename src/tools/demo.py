@@ -156,7 +156,7 @@ def demonstrate(children, arguments):
     print("Taking pictures in rviz", flush=True)
     before, after = (os.path.join(arguments.output, name) for name in ("before.png", "after.png"))
     use_new_master()
-    pictures.make_pictures(children, ["roslaunch", "-p", master_port(), "polyscalpel", "playback.launch", "bag:=",
+    pictures.make_pictures(children, ["roslaunch", "-p", master_port(), "polyscalpel", "playback.launch",
                                       "rviz_args:=--fullscreen"], bag, [(picture_time(bag), before), (None, after)])
     summary["pictures"] = [before, after]
 
