@@ -122,7 +122,7 @@ def simulate(children, arguments, bag, end_s):
             last = progress.last
             if last is not None and not last.converged:
                 raise DemoError(f"step {last.step} failed: {last.message}")
-            if last is not None and last.time_s >= end_s - 0.5 * last.time_step_s:
+            if last is not None and last.time_s > end_s - 1.5 * last.time_step_s:
                 break
         if time.monotonic() - (progress.last_step_at if progress else started) > STALL_S:
             raise DemoError(f"no step for {STALL_S} s, see {log}:\n{log_tail(log)}")
