@@ -2,6 +2,7 @@
 #include "polyscalpel/ros_bridge/mesh_publisher.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <numeric>
 
@@ -14,6 +15,10 @@ using visualization_msgs::Marker;
 
 /// More arrows than this only hide one another; the largest forces are drawn.
 constexpr std::size_t kMostArrows = 200;
+/// Messages kept for a subscriber that lags. In real time only the newest matter; in lockstep a bag should
+/// get them all.
+constexpr std::uint32_t kRealtimeQueue = 5;
+constexpr std::uint32_t kLockstepQueue = 500;
 const Rgba kWireColour(0.15, 0.05, 0.05, 0.6);
 const Rgba kBladeColour(1.0, 0.95, 0.6, 1);
 const Rgba kArrowColour(1.0, 0.82, 0.15, 1);
@@ -31,7 +36,8 @@ MeshPublisher::MeshPublisher(ros::NodeHandle& node_handle, const SceneParameters
                              const Simulation& simulation)
     : parameters_(parameters),
       simulation_(simulation),
-      publisher_(node_handle.advertise<visualization_msgs::MarkerArray>("mesh", 10, true)) {
+      publisher_(node_handle.advertise<visualization_msgs::MarkerArray>(
+          "mesh", parameters.node.clock == ClockMode::kLockstep ? kLockstepQueue : kRealtimeQueue, true)) {
   const auto rest = simulation.mesh().restPositions();
   body_size_m_ = (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
   for (std::size_t i = 0; i < parameters.tools.size(); ++i) {

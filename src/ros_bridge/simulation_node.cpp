@@ -124,6 +124,7 @@ bool SimulationNode::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Res
   try {
     simulation_.reset();
     stamp_clock_.clear();
+    transforms_.clear();
     lockstep_clock_.clear();
     for (ToolTracker& tracker : trackers_) tracker.clear(true);
     for (ToolStatus& tool : status_.tools) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polyscalpel/ros_bridge/transform_tree.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <tf2/exceptions.h>
@@ -29,6 +30,10 @@ void TransformTree::add(const tf2_msgs::TFMessage& message, bool is_static) {
       if (newest != newest_.end() && transform.header.stamp < newest->second &&
           newest->second - transform.header.stamp > clock_jump_)
         clear();
+      // What is told twice, for example by a bag beside its sender, is no news; tf2 would warn.
+      if (newest_.count(transform.child_frame_id) > 0 &&
+          transform.header.stamp == newest_[transform.child_frame_id])
+        continue;
       newest_[transform.child_frame_id] = std::max(newest_[transform.child_frame_id], transform.header.stamp);
     }
     buffer_.setTransform(transform, "polyscalpel", is_static);

@@ -56,6 +56,10 @@ bool Range::contains(double value) const {
 std::string toText(double value) {
   if (std::isinf(value)) return value < 0 ? "-inf" : "inf";
   char text[40];
+  if (value == std::round(value) && std::abs(value) < 1e10) {
+    std::snprintf(text, sizeof(text), "%.0f", value + 0.0);  // no -0
+    return text;
+  }
   for (int digits = 1; digits <= 17; ++digits) {
     std::snprintf(text, sizeof(text), "%.*g", digits, value);
     if (std::strtod(text, nullptr) == value) break;
@@ -65,7 +69,7 @@ std::string toText(double value) {
 
 std::string nearestWord(const std::string& word, const std::vector<std::string>& candidates) {
   std::string nearest;
-  std::size_t fewest = word.size() / 2 + 1;
+  std::size_t fewest = word.size() / 2 + 2;
   for (const std::string& candidate : candidates) {
     // Levenshtein distance, one row at a time
     std::vector<std::size_t> row(candidate.size() + 1);
@@ -89,10 +93,7 @@ std::string nearestWord(const std::string& word, const std::vector<std::string>&
 
 YamlMap::YamlMap(YAML::Node node, std::string path, std::shared_ptr<YamlDocument> document)
     : node_(std::move(node)), path_(std::move(path)), document_(std::move(document)) {
-  if (!node_.IsMap()) {
-    const std::string hint = node_.IsNull() ? "; write {} for all defaults, or leave the key out" : "";
-    refuseNode(node_, path_, "must be a map of keys and values" + hint);
-  }
+  if (!node_.IsMap()) refuseNode(node_, path_, "must be a map of keys and values");
   std::vector<std::string> keys;
   for (const auto& entry : node_) {
     if (!entry.first.IsScalar()) refuseNode(entry.first, path_, "every key must be a word");
@@ -128,8 +129,13 @@ std::string YamlMap::join(const std::string& key) const {
 }
 
 void YamlMap::refuseNode(const YAML::Node& node, const std::string& path, const std::string& rule) const {
-  throw std::invalid_argument(where(*document_, node) + ": " + (path.empty() ? "" : path + " = ") +
-                              valueText(node) + ": " + rule);
+  std::string place = where(*document_, node);
+  // An empty value has no place of its own: that of its key.
+  if (node.IsNull() && node_.IsMap())
+    for (const auto& entry : node_)
+      if (entry.second.is(node)) place = where(*document_, entry.first);
+  throw std::invalid_argument(place + ": " + (path.empty() ? "" : path + " = ") + valueText(node) + ": " +
+                              rule);
 }
 
 void YamlMap::refuse(const std::string& key, const std::string& rule) const {
@@ -273,7 +279,11 @@ void YamlMap::points(const std::string& key, Eigen::Matrix3Xd& value, int min_po
 
 YamlMap YamlMap::map(const std::string& key) {
   require(key);
-  return {find(key), join(key), document_};
+  const YAML::Node node = find(key);
+  if (node.IsNull())
+    refuseNode(node, join(key),
+               "must be a map of keys and values; write {} for all defaults, or leave the key out");
+  return {node, join(key), document_};
 }
 
 std::vector<YamlMap> YamlMap::maps(const std::string& key) {

@@ -153,7 +153,7 @@ TEST(Parameters, RefusesWhatIsOutOfRange) {
       {"node: {surface_colour_rgba: [$, 0, 0, 1]}", "1", "1.1"},
       {"tools: [{name: $}]", "knife_2", "2knife"},
       {"tools: [{name: $}]", "a", "a/b"},
-      {"tools: [{name: a, max_jump_m: $}]", "0.1", "0"},
+      {"tools: [{max_jump_m: $}]", "0.1", "0"},
       {"tools: [{name: a, frame: $}]", "b", "world"},
   };
   for (const Bound& bound : bounds) {
@@ -164,7 +164,8 @@ TEST(Parameters, RefusesWhatIsOutOfRange) {
     };
     EXPECT_NO_THROW(read(with(bound.inside)));
     expectRefused([&] { read(with(bound.outside)); }, {"scene.yaml"});
-    expectRefused([&] { read(with(".nan")); }, {"scene.yaml"});
+    if (bound.text.find("name") == std::string::npos)
+      expectRefused([&] { read(with(".nan")); }, {"scene.yaml"});
   }
 }
 
