@@ -29,6 +29,8 @@ from polyscalpel.msg import StepStatus
 
 STALL_S = 120  # without any step for so long the demonstration has failed
 
+DRAINED_S = 3  # without any step for so long after the end of the path all poses are used up
+
 
 class DemoError(Exception):
     """The demonstration has failed; the text says why."""
@@ -127,8 +129,9 @@ def simulate(children, arguments, bag, end_s):
         if time.monotonic() - (progress.last_step_at if progress else started) > STALL_S:
             raise DemoError(f"no step for {STALL_S} s, see {log}:\n{log_tail(log)}")
         time.sleep(0.05)
-    # The last few messages are on their way to the bag.
-    time.sleep(1)
+    # The last steps, and their way to the bag: all that the poses allow, so that every run ends with the same step.
+    while time.monotonic() - progress.last_step_at < DRAINED_S:
+        time.sleep(0.05)
     progress.show(is_last=True)
     return launch
 
