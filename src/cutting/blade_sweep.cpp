@@ -42,19 +42,57 @@ void sortUnique(std::vector<Edge>& edges) {
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
 }
 
-/// Edges of the cells whose box, over the motion of the tissue, meets `box`.
+/// Whether the segment p-q meets the box (slab test of A. Williams et al., "An Efficient and Robust Ray-Box
+/// Intersection Algorithm", 2005, with division only by components that are not 0).
+bool meets(const AlignedBox3d& box, const Vector3d& p, const Vector3d& q) {
+  double enter = 0, leave = 1;
+  for (int i = 0; i < 3; ++i) {
+    const double way = q[i] - p[i];
+    if (way == 0) {
+      if (p[i] < box.min()[i] || p[i] > box.max()[i]) return false;
+      continue;
+    }
+    double first = (box.min()[i] - p[i]) / way, second = (box.max()[i] - p[i]) / way;
+    if (first > second) std::swap(first, second);
+    enter = std::max(enter, first);
+    leave = std::min(leave, second);
+  }
+  return enter <= leave;
+}
+
+/// Whether any segment of the blade comes nearer to the box than `distance` along some axis.
+bool meets(AlignedBox3d box, const Positions& blade, double distance) {
+  box.min().array() -= distance;
+  box.max().array() += distance;
+  for (int i = 0; i + 1 < blade.cols(); ++i) {
+    if (meets(box, blade.col(i), blade.col(i + 1))) return true;
+  }
+  return false;
+}
+
+/// Edges for whose box, over the motion of the tissue, is_near holds, as it does for the box of a cell that
+/// has them.
+template <class IsNear>
 std::vector<Edge> edgesNear(const PolyhedralMesh& mesh, const Positions& positions_start,
-                            const Positions& positions_end, const AlignedBox3d& box) {
+                            const Positions& positions_end, const IsNear& is_near) {
   std::vector<Edge> edges;
   const bool moves = positions_start.data() != positions_end.data();
+  const auto extend = [&](AlignedBox3d& box, VertexId v) {
+    box.extend(positions_start.col(v.index()));
+    if (moves) box.extend(positions_end.col(v.index()));
+  };
   for (int i = 0; i < mesh.cellCapacity(); ++i) {
     const Cell& cell = mesh.cell(CellId(i));
     if (!cell.isAlive()) continue;
-    AlignedBox3d cell_box = boxOf(cell, positions_start);
-    if (moves) cell_box.extend(boxOf(cell, positions_end));
-    if (!cell_box.intersects(box)) continue;
-    const auto of_cell = mesh.edges(CellId(i));
-    edges.insert(edges.end(), of_cell.begin(), of_cell.end());
+    AlignedBox3d cell_box;
+    for (const VertexId v : cell.vertices) extend(cell_box, v);
+    if (!is_near(cell_box)) continue;
+    for (const Edge& edge : mesh.edges(CellId(i))) {
+      AlignedBox3d edge_box;
+      extend(edge_box, edge.first);
+      extend(edge_box, edge.second);
+      if (is_near(edge_box)) edges.push_back(edge);
+    }
   }
   sortUnique(edges);
   return edges;
@@ -90,14 +128,15 @@ class Sweep {
  public:
   Sweep(const PolyhedralMesh& mesh, const BladeMotion& motion) : mesh_(mesh), motion_(motion) {
     moves_ = motion.positions_start.data() != motion.positions_end.data();
-    const Matrix3Xd start = bladeAt(0), end = bladeAt(1);
-    AlignedBox3d box = boxOf(start);
-    box.extend(boxOf(end));
-    // A turning blade leaves the box of its ends by less than its own travel.
-    const double travel = (end - start).colwise().norm().maxCoeff();
-    box.min().array() -= travel;
-    box.max().array() += travel;
-    edges_ = edgesNear(mesh, motion.positions_start, motion.positions_end, box);
+    const Matrix3Xd start = bladeAt(0);
+    // No point of the blade is ever further from where it starts than this, whatever turning and travel add
+    // up to.
+    const Matrix3Xd turned = motion.T_world_tool_end.linear() * motion.edge_tool;
+    const double travel =
+        (turned - motion.T_world_tool_start.linear() * motion.edge_tool).colwise().norm().maxCoeff() +
+        (motion.T_world_tool_end.translation() - motion.T_world_tool_start.translation()).norm();
+    edges_ = edgesNear(mesh, motion.positions_start, motion.positions_end,
+                       [&](const AlignedBox3d& box) { return meets(box, start, travel); });
 
     double size = kInfinity, drift = 0;
     for (const auto& [a, b] : edges_) {
@@ -119,8 +158,7 @@ class Sweep {
   void findHits(double from, double to, int halvings_left, std::vector<Hit>& hits) const {
     if (edges_.empty()) return;
     const Matrix3Xd blade_start = bladeAt(from), blade_end = bladeAt(to);
-    AlignedBox3d swept = boxOf(blade_start);
-    swept.extend(boxOf(blade_end));
+    const double travel = (blade_end - blade_start).colwise().norm().maxCoeff();
 
     std::vector<Hit> found;
     for (const Edge& edge : edges_) {
@@ -130,7 +168,7 @@ class Sweep {
                      b_end = moves_ ? positionAt(b, to) : b_start;
       AlignedBox3d box(a_start.cwiseMin(b_start), a_start.cwiseMax(b_start));
       if (moves_) box.extend(a_end).extend(b_end);
-      if (!box.intersects(swept)) continue;
+      if (!meets(box, blade_start, travel)) continue;
 
       SignedSum sum;
       addToolHalf(blade_start, blade_end, a_start, b_start, sum);
@@ -192,24 +230,6 @@ class Sweep {
   double travel_in_sizes_ = 0;
 };
 
-/// Whether the segment p-q meets the box (slab test of A. Williams et al., "An Efficient and Robust Ray-Box
-/// Intersection Algorithm", 2005, with division only by components that are not 0).
-bool meets(const AlignedBox3d& box, const Vector3d& p, const Vector3d& q) {
-  double enter = 0, leave = 1;
-  for (int i = 0; i < 3; ++i) {
-    const double way = q[i] - p[i];
-    if (way == 0) {
-      if (p[i] < box.min()[i] || p[i] > box.max()[i]) return false;
-      continue;
-    }
-    double first = (box.min()[i] - p[i]) / way, second = (box.max()[i] - p[i]) / way;
-    if (first > second) std::swap(first, second);
-    enter = std::max(enter, first);
-    leave = std::min(leave, second);
-  }
-  return enter <= leave;
-}
-
 }  // namespace
 
 Isometry3d interpolate(const Isometry3d& T_start, const Isometry3d& T_end, double s) {
@@ -253,7 +273,9 @@ std::vector<Hit> findHits(const PolyhedralMesh& mesh, const Positions& positions
 std::vector<Hit> findHits(const PolyhedralMesh& mesh, const Positions& positions, const PolygonCut& polygon) {
   const Matrix3Xd& corners = polygon.corners_world;
   std::vector<Hit> hits;
-  for (const Edge& edge : edgesNear(mesh, positions, positions, boxOf(corners))) {
+  const AlignedBox3d reach = boxOf(corners);
+  const auto is_near = [&](const AlignedBox3d& box) { return reach.intersects(box); };
+  for (const Edge& edge : edgesNear(mesh, positions, positions, is_near)) {
     const Vector3d a = positions.col(edge.first.index()), b = positions.col(edge.second.index());
     SignedSum sum;
     for (int i = 1; i + 1 < corners.cols(); ++i) {
@@ -280,14 +302,7 @@ std::vector<Hit> findHits(const PolyhedralMesh& mesh, const BladeMotion& motion,
 bool isBladeAt(const PolyhedralMesh& mesh, CellId id, const Positions& positions,
                const Positions& blade_world, double margin) {
   const Cell& cell = mesh.cell(id);
-  AlignedBox3d box = boxOf(cell, positions);
-  const double distance = margin * smallestLocalSize(mesh, cell);
-  box.min().array() -= distance;
-  box.max().array() += distance;
-  for (int i = 0; i + 1 < blade_world.cols(); ++i) {
-    if (meets(box, blade_world.col(i), blade_world.col(i + 1))) return true;
-  }
-  return false;
+  return meets(boxOf(cell, positions), blade_world, margin * smallestLocalSize(mesh, cell));
 }
 
 bool isBladeInTissue(const PolyhedralMesh& mesh, const Positions& positions, const Positions& blade_world,
