@@ -242,7 +242,7 @@ void Simulation::Impl::commit(int tool, CutResult result, Eigen::Matrix3Xd* posi
                               StepReport& report) {
   if (result.status != CutStatus::kCut) return;
   const StageTimer timer(report.times.update_s);
-  if (positions_start) appendNewVertices(*positions_start, result.change);
+  if (positions_start) extendByNewVertices(result.change.new_vertices, *positions_start);
   followCut(tool, result);
   report.cuts.push_back({tool, std::move(result)});
 }

@@ -4,8 +4,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "polyscalpel/core/checks.hpp"
-
 namespace polyscalpel {
 
 namespace {
@@ -63,25 +61,9 @@ SimulationState makeRestState(const PolyhedralMesh& mesh, const std::vector<Fixe
   return state;
 }
 
-void appendNewVertices(Eigen::Matrix3Xd& values, const MeshChange& change) {
-  Eigen::Index column = values.cols();
-  values.conservativeResize(3, column + static_cast<Eigen::Index>(change.new_vertices.size()));
-  for (const NewVertex& vertex : change.new_vertices) {
-    const int a = vertex.parents[0].index(), b = vertex.parents[1].index();
-    POLYSCALPEL_ASSERT(vertex.vertex.index() == column && a >= 0 && a < column && b >= 0 && b < column);
-    // A copy must be its parent bit for bit, which (1 - w) p + w p is not.
-    if (a == b) {
-      values.col(column) = values.col(a);
-    } else {
-      values.col(column) = (1 - vertex.weight) * values.col(a) + vertex.weight * values.col(b);
-    }
-    ++column;
-  }
-}
-
 void applyMeshChange(SimulationState& state, const MeshChange& change) {
-  appendNewVertices(state.positions, change);
-  appendNewVertices(state.velocities, change);
+  extendByNewVertices(change.new_vertices, state.positions);
+  extendByNewVertices(change.new_vertices, state.velocities);
   for (const NewVertex& vertex : change.new_vertices) {
     state.fixed.push_back(state.fixed[vertex.parents[0].index()] && state.fixed[vertex.parents[1].index()]);
   }

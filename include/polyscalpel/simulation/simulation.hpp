@@ -44,9 +44,9 @@ struct AppliedContact {
 /// alone feels it: fracture takes the work, and no force is put on the tissue. So action equals reaction for
 /// the contacts, not for this part.
 struct ToolReport {
-  Wrench wrench_tool;  ///< of the tissue on the tool (contact, friction, cutting resistance), in the tool's
-                       ///< frame at its origin
-  bool enabled = false;   ///< had a pose
+  Wrench wrench_tool;    ///< of the tissue on the tool (contact, friction, cutting resistance), in the tool's
+                         ///< frame at its origin
+  bool enabled = false;  ///< had a pose
   bool reseated = false;  ///< jumped further than max_jump_m, or had no pose before
   int pending_crossings = 0;
 };

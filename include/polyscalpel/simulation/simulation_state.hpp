@@ -22,10 +22,6 @@ struct SimulationState {
 /// range.
 SimulationState makeRestState(const PolyhedralMesh& mesh, const std::vector<FixedRegion>& fixed);
 
-/// Appends a column for each new vertex: (1 - weight) values(parents[0]) + weight values(parents[1]), in
-/// their order, so that a parent may itself be new.
-void appendNewVertices(Eigen::Matrix3Xd& values, const MeshChange& change);
-
 /// Follows a change of the mesh. A new vertex is fixed if both its parents are.
 void applyMeshChange(SimulationState& state, const MeshChange& change);
 
