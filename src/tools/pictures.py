@@ -93,7 +93,7 @@ def make_pictures(children, launch_command, bag, pictures):
     time.sleep(3)
     start_s = 0.0
     for end_s, path in pictures:
-        command = ["rosbag", "play", "--quiet", "--clock", "--hz=100", "--rate=4", "--delay=1", f"--start={start_s}"]
+        command = ["rosbag", "play", "--quiet", "--clock", "--hz=100", "--rate=2", "--delay=1", f"--start={start_s}"]
         if end_s is not None:
             command.append(f"--duration={end_s - start_s}")
         run(command + [bag], "rosbag play", 600, stdin=subprocess.DEVNULL)
