@@ -31,7 +31,13 @@ class LockstepTest(unittest.TestCase):
 
     def setUp(self):
         self.services.set_paused(False)
+        self.start_anew()
+
+    def start_anew(self):
+        """The state at the start, and nothing in the lists."""
         self.assertTrue(self.services.reset().success)
+        wait_until(lambda: self.listener.mesh and self.listener.mesh[-1].markers[0].header.stamp == rospy.Time() and
+                   self.listener.status and self.listener.status[-1].step == 0, 'the reset')
         self.settle()
         self.listener.clear()
 
@@ -45,6 +51,9 @@ class LockstepTest(unittest.TestCase):
 
     def wait_for_time(self, time_s):
         wait_until(lambda: self.listener.status and self.listener.status[-1].time_s > time_s - H / 2, 't = %g s' % time_s)
+        wait_until(lambda: self.listener.contacts and self.listener.contacts[-1].time_s > time_s - H / 2, 'contacts')
+        wait_until(lambda: self.listener.mesh and self.listener.mesh[-1].markers[0].header.stamp.to_sec() - T0 >
+                   time_s - 1.5 * H, 'the mesh')
         self.settle()
 
     def away(self, duration_s, start_s=T0):
@@ -112,9 +121,7 @@ class LockstepTest(unittest.TestCase):
     def test_the_same_poses_give_the_same_bits(self):
         runs = []
         for _ in range(2):
-            self.services.reset()
-            self.settle()
-            self.listener.clear()
+            self.start_anew()
             self.run_slice()
             runs.append((digest(self.listener.mesh), digest(self.listener.contacts), digest(self.listener.cuts)))
         self.assertEqual(runs[0], runs[1])
@@ -124,9 +131,7 @@ class LockstepTest(unittest.TestCase):
     def test_bad_poses_are_counted_and_harmless(self):
         self.run_slice()
         clean = digest(self.listener.mesh)
-        self.services.reset()
-        self.settle()
-        self.listener.clear()
+        self.start_anew()
         self.send('finger', self.away(1.0))
         for i, message in enumerate(self.slice()):
             self.hand.send('scalpel', message)
