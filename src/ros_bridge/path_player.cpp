@@ -16,6 +16,7 @@ namespace polyscalpel {
 namespace {
 
 const Range kRateRange{0.1, 10000};
+constexpr int kMostSubscribers = 100;
 /// After the last pose: time for the transport to hand it over before the node ends [s].
 constexpr double kLinger_s = 1;
 
@@ -46,11 +47,21 @@ double rateParameter(const ros::NodeHandle& private_node_handle, double default_
   return rate_hz;
 }
 
+int countParameter(const ros::NodeHandle& private_node_handle, int default_value) {
+  XmlRpc::XmlRpcValue value;
+  if (!private_node_handle.getParam("wait_for_subscribers", value)) return default_value;
+  const int count = value.getType() == XmlRpc::XmlRpcValue::TypeInt ? static_cast<int>(value) : -1;
+  if (count < 0 || count > kMostSubscribers)
+    throw std::invalid_argument("parameter " + private_node_handle.resolveName("wait_for_subscribers") +
+                                ": must be an integer in [0, " + std::to_string(kMostSubscribers) + "]");
+  return count;
+}
+
 }  // namespace
 
 PathPlayerConfig readPathPlayerConfig(const ros::NodeHandle& private_node_handle) {
   warnOfUnknownParameters(private_node_handle, {"path", "tool", "topic", "frame_id", "rate", "loop", "stay",
-                                                "wait_for_subscriber"});
+                                                "wait_for_subscribers"});
   PathPlayerConfig config;
   config.path = textParameter(private_node_handle, "path", config.path);
   config.tool = textParameter(private_node_handle, "tool", config.tool);
@@ -59,8 +70,7 @@ PathPlayerConfig readPathPlayerConfig(const ros::NodeHandle& private_node_handle
   config.rate_hz = rateParameter(private_node_handle, config.rate_hz);
   config.loop = flagParameter(private_node_handle, "loop", config.loop);
   config.stay = flagParameter(private_node_handle, "stay", config.stay);
-  config.wait_for_subscriber =
-      flagParameter(private_node_handle, "wait_for_subscriber", config.wait_for_subscriber);
+  config.wait_for_subscribers = countParameter(private_node_handle, config.wait_for_subscribers);
   return config;
 }
 
@@ -78,8 +88,8 @@ PathPlayer::PathPlayer(const PathPlayerConfig& config, const KeyFrames& key_fram
   ROS_INFO("%s: %.2f s on %s", config.path.c_str(), path_.duration_s(), publisher_.getTopic().c_str());
 }
 
-bool PathPlayer::waitForSubscriber() const {
-  while (ros::ok() && config_.wait_for_subscriber && publisher_.getNumSubscribers() == 0) {
+bool PathPlayer::waitForSubscribers() const {
+  while (ros::ok() && static_cast<int>(publisher_.getNumSubscribers()) < config_.wait_for_subscribers) {
     ros::spinOnce();
     ros::WallDuration(0.01).sleep();
   }
@@ -97,7 +107,7 @@ void PathPlayer::publish(std::int64_t number, const ros::Time& start) const {
 }
 
 void PathPlayer::run() {
-  if (!waitForSubscriber()) return;
+  if (!waitForSubscribers()) return;
   const std::int64_t last = std::llround(std::ceil(path_.duration_s() * config_.rate_hz));
   const bool for_ever = config_.loop || config_.stay;
   ros::Time start = ros::Time::now();

@@ -52,6 +52,7 @@ struct Tool {
   Sphere bounds;                   // of the shape; a point at the origin without
   std::optional<BladeCut> blade;
   std::optional<Eigen::Isometry3d> T_world_tool;  // at the end of the last step
+  int cut = 0;  // number of the stroke under way, 0 before it has split anything
 };
 
 // Longest way of any part of the tool: its origin, its blade, its shape's bounding sphere.
@@ -154,6 +155,7 @@ struct Simulation::Impl {
     if (hasContact()) surface.emplace(mesh, state.positions);
     for (std::size_t i = 0; i < tools.size(); ++i) {
       tools[i].T_world_tool.reset();
+      tools[i].cut = 0;
       if (config.tools[i].blade_edge_tool)
         tools[i].blade.emplace(*config.tools[i].blade_edge_tool, *config.cutting);
     }
@@ -233,7 +235,7 @@ void Simulation::Impl::followCut(int tool, const CutResult& result) {
     if (static_cast<int>(i) != tool && tools[i].blade) tools[i].blade->update(mesh, result.change);
   }
   pieces = findPieces(mesh);
-  ++num_cuts;
+  num_cuts = std::max(num_cuts, result.cut);
   cells_left_whole += result.cells_left_whole;
   static_solution_stands = false;
 }
@@ -275,18 +277,21 @@ void Simulation::Impl::moveBlades(const ToolPoses& T_end, Eigen::Matrix3Xd& posi
     if (!tools[i].blade) continue;
     const int tool = static_cast<int>(i);
     BladeCut& blade = *tools[i].blade;
+    const int cut = tools[i].cut > 0 ? tools[i].cut : num_cuts + 1;
     const bool sweeps = T_end[i] && !report.tools[i].reseated;
     CutResult result;
     {
       const StageTimer timer(report.times.cutting_s);
       if (sweeps) {
-        result = blade.advance(mesh, positions_start, state.positions, *tools[i].T_world_tool, *T_end[i],
-                               num_cuts + 1);
+        result =
+            blade.advance(mesh, positions_start, state.positions, *tools[i].T_world_tool, *T_end[i], cut);
       } else if (tools[i].T_world_tool) {
-        result = blade.finish(mesh, state.positions, num_cuts + 1);  // it has gone, or was taken elsewhere
+        result = blade.finish(mesh, state.positions, cut);  // it has gone, or was taken elsewhere
       }
       report.tools[i].pending_crossings = blade.numPending();
     }
+    if (result.status == CutStatus::kCut) tools[i].cut = cut;
+    if (!blade.isCutting()) tools[i].cut = 0;
     const std::size_t num_events = report.cuts.size();
     commit(tool, std::move(result), &positions_start, report);
     if (sweeps && report.cuts.size() > num_events) {

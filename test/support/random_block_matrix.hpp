@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "polyscalpel/solver/block_matrix.hpp"
+#include "polyscalpel/core/block_matrix.hpp"
 
 namespace polyscalpel {
 

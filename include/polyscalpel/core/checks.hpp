@@ -10,7 +10,8 @@ namespace polyscalpel {
 /// Ends the program with a message; called by POLYSCALPEL_ASSERT only.
 [[noreturn]] void failAssertion(const char* condition, const char* file, int line);
 
-/// Throws std::invalid_argument "name = value: must be in [lowest, highest]" unless value is finite and inside.
+/// Throws std::invalid_argument "name = value: must be in [lowest, highest]" unless value is finite and
+/// inside.
 void requireInRange(const std::string& name, double value, double lowest, double highest);
 
 /// Throws std::invalid_argument unless value is finite and > 0.
@@ -21,7 +22,8 @@ void requireFinite(const std::string& name, const Eigen::Ref<const Eigen::Matrix
 
 }  // namespace polyscalpel
 
-/// A broken invariant of our own code. On in every build, tests included, unless POLYSCALPEL_DISABLE_ASSERTS is defined.
+/// A broken invariant of our own code. On in every build, tests included, unless POLYSCALPEL_DISABLE_ASSERTS
+/// is defined.
 #ifndef POLYSCALPEL_DISABLE_ASSERTS
 #define POLYSCALPEL_ASSERT(condition) \
   ((condition) ? static_cast<void>(0) : ::polyscalpel::failAssertion(#condition, __FILE__, __LINE__))

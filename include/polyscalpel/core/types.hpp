@@ -9,7 +9,8 @@
 
 namespace polyscalpel {
 
-/// Index of one kind of mesh entity. Distinct kinds do not convert into each other; the default value is "none".
+/// Index of one kind of mesh entity. Distinct kinds do not convert into each other; the default value is
+/// "none".
 template <class Tag>
 class Id {
  public:

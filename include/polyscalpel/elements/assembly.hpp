@@ -5,10 +5,10 @@
 
 #include <Eigen/Core>
 
+#include "polyscalpel/core/block_matrix.hpp"
 #include "polyscalpel/elements/element_matrices.hpp"
 #include "polyscalpel/mesh/mesh_change.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
-#include "polyscalpel/solver/block_matrix.hpp"
 
 namespace polyscalpel {
 

@@ -5,7 +5,8 @@
 
 namespace polyscalpel {
 
-/// Hooke's law: stress = lambda tr(eps) I + 2 mu eps, eps = (grad u + grad u^T) / 2, energy density eps : C : eps / 2.
+/// Hooke's law: stress = lambda tr(eps) I + 2 mu eps, eps = (grad u + grad u^T) / 2, energy density eps : C :
+/// eps / 2.
 struct IsotropicMaterial {
   double youngs_modulus_pa = 1e4;  ///< E, > 0
   double poisson_ratio = 0.45;     ///< nu, in (-1, 0.5)

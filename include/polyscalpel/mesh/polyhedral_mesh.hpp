@@ -14,11 +14,11 @@ namespace polyscalpel {
 /// A polygon between two cells, or between a cell and the outside.
 struct Face {
   std::vector<VertexId> loop;  ///< counter-clockwise seen from outside cells[0]; at least 3
-  /// One flag a loop entry: whether the vertex is a corner of the face as it was made. Only corners carry the virtual
-  /// vertex (surface.hpp); a vertex that a neighbour's cut hung into an edge later does not.
+  /// One flag a loop entry: whether the vertex is a corner of the face as it was made. Only corners carry the
+  /// virtual vertex (surface.hpp); a vertex that a neighbour's cut hung into an edge later does not.
   std::vector<char> is_corner;
   std::array<CellId, 2> cells;  ///< cells[0] sees the loop as outward; cells[1] is invalid on the boundary
-  int cut = 0;                  ///< number (>= 1) of the cut that made this face as a cap, 0 for every other face
+  int cut = 0;  ///< number (>= 1) of the cut that made this face as a cap, 0 for every other face
 
   bool isAlive() const { return cells[0].isValid(); }
   bool isBoundary() const { return !cells[1].isValid(); }
@@ -33,8 +33,8 @@ struct Cell {
   bool isAlive() const { return !faces.empty(); }
 };
 
-/// The rest shape of a body as conforming polyhedra. Ids are stable for life: a removed entity's id is never given
-/// again. Changed only through MeshEditor.
+/// The rest shape of a body as conforming polyhedra. Ids are stable for life: a removed entity's id is never
+/// given again. Changed only through MeshEditor.
 class PolyhedralMesh {
  public:
   /// Outward face loops of one cell, each a list of point indices, counter-clockwise seen from outside.
@@ -42,11 +42,11 @@ class PolyhedralMesh {
 
   PolyhedralMesh() = default;
 
-  /// Builds a mesh from points (3 x n, one column per vertex [m]) and cells. Faces with the same vertices are joined.
-  /// Vertices at which cells are not joined by faces are copied, so that bodies that touch in a vertex or an edge alone
-  /// are apart; unused points are dropped. regions: one number a cell, or empty for 0 everywhere.
-  /// Throws std::invalid_argument for an index out of range, a face of three cells or of equal orientation in both, an
-  /// open cell, a cell of non-positive volume, or coordinates that are not finite.
+  /// Builds a mesh from points (3 x n, one column per vertex [m]) and cells. Faces with the same vertices are
+  /// joined. Vertices at which cells are not joined by faces are copied, so that bodies that touch in a
+  /// vertex or an edge alone are apart; unused points are dropped. regions: one number a cell, or empty for 0
+  /// everywhere. Throws std::invalid_argument for an index out of range, a face of three cells or of equal
+  /// orientation in both, an open cell, a cell of non-positive volume, or coordinates that are not finite.
   PolyhedralMesh(const Eigen::Ref<const Eigen::Matrix3Xd>& points, const std::vector<CellLoops>& cells,
                  const std::vector<int>& regions = {});
 
@@ -68,8 +68,8 @@ class PolyhedralMesh {
   }
   Eigen::Vector3d restPosition(VertexId id) const { return rest_positions_[id.index()]; }
 
-  /// Size of the uncut mesh around the vertex [m]: length of the shortest edge there before any cut; a new vertex takes
-  /// the smaller of its parents'.
+  /// Size of the uncut mesh around the vertex [m]: length of the shortest edge there before any cut; a new
+  /// vertex takes the smaller of its parents'.
   double localSize(VertexId id) const { return local_sizes_[id.index()]; }
 
   /// Faces that have the vertex in their loop, in no particular but reproducible order.
@@ -95,8 +95,8 @@ class PolyhedralMesh {
   int num_cells_ = 0;
 };
 
-/// Connected components of the cells under "share a face". Returns one number in [0, count) for each cell id (-1 where
-/// the cell has been removed), numbered by their smallest cell id, and the count.
+/// Connected components of the cells under "share a face". Returns one number in [0, count) for each cell id
+/// (-1 where the cell has been removed), numbered by their smallest cell id, and the count.
 struct Pieces {
   std::vector<int> piece_of_cell;
   int count = 0;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The one surface model. A face whose loop has three vertices is that triangle. Any other face is a fan of triangles
-// around a virtual vertex, the mean of the face's corners (Face::is_corner), whose value is the mean of their values. It
-// depends on the face alone, so both cells agree on it, and it bears faces that are not planar and vertices that hang
-// in an edge. Volume, mean value coordinates, quadrature, contact and markers all use this surface.
+// The one surface model. A face whose loop has three vertices is that triangle. Any other face is a fan of
+// triangles around a virtual vertex, the mean of the face's corners (Face::is_corner), whose value is the
+// mean of their values. It depends on the face alone, so both cells agree on it, and it bears faces that are
+// not planar and vertices that hang in an edge. Volume, mean value coordinates, quadrature, contact and
+// markers all use this surface.
 #pragma once
 
 #include <array>
@@ -22,8 +23,8 @@ int numTriangles(const Face& face);
 /// The virtual vertex of a face: mean of its corners [m]. positions: 3 x n, one column per vertex.
 Eigen::Vector3d virtualVertex(const Face& face, const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
-/// Corners of the i-th triangle of a face, one column each [m], counter-clockwise as the loop is. For a fan: the virtual
-/// vertex, loop[i], loop[i + 1].
+/// Corners of the i-th triangle of a face, one column each [m], counter-clockwise as the loop is. For a fan:
+/// the virtual vertex, loop[i], loop[i + 1].
 Eigen::Matrix3d triangleCorners(const Face& face, int i, const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
 /// A point on the surface as a weighted mean of mesh vertices.
@@ -32,15 +33,16 @@ struct WeightedVertex {
   double weight = 0;
 };
 
-/// Weights on the face's vertices of a point with the given barycentric coordinates in the i-th triangle. The virtual
-/// vertex hands its share in equal parts to the corners. Each vertex occurs once; the weights sum to the coordinates' sum.
+/// Weights on the face's vertices of a point with the given barycentric coordinates in the i-th triangle. The
+/// virtual vertex hands its share in equal parts to the corners. Each vertex occurs once; the weights sum to
+/// the coordinates' sum.
 std::vector<WeightedVertex> vertexWeights(const Face& face, int i, const Eigen::Vector3d& barycentric);
 
 /// The closed triangle surface of one cell, in local indices.
 struct CellSurface {
-  Eigen::Matrix3Xd points;                    ///< 3 x (n + m) [m]: the cell's n vertices in the order of Cell::vertices,
-                                              ///< then one virtual vertex for each of its m faces that are fans
-  int num_vertices = 0;                       ///< n
+  Eigen::Matrix3Xd points;  ///< 3 x (n + m) [m]: the cell's n vertices in the order of Cell::vertices,
+                            ///< then one virtual vertex for each of its m faces that are fans
+  int num_vertices = 0;     ///< n
   std::vector<std::array<int, 3>> triangles;  ///< outward, indices into points
   std::vector<std::vector<int>> parents;      ///< for each virtual vertex the local vertices whose mean it is
 

@@ -13,17 +13,17 @@ namespace polyscalpel {
 
 /// How a path is played.
 struct PathPlayerConfig {
-  std::string path;                 ///< file of key frames, required
-  std::string tool;                 ///< name of the tool; empty: as in the file
-  std::string topic;                ///< of the poses; empty: <tool>/measured_cp
-  std::string frame_id;             ///< tf frame of the poses; empty: as in the file
-  double rate_hz = 100;             ///< poses a second, in [0.1, 10000]
-  bool loop = false;                ///< again and again from the start
-  bool stay = false;                ///< after the end: keep publishing the last pose instead of exiting
-  bool wait_for_subscriber = true;  ///< do not start before somebody listens
+  std::string path;              ///< file of key frames, required
+  std::string tool;              ///< name of the tool; empty: as in the file
+  std::string topic;             ///< of the poses; empty: <tool>/measured_cp
+  std::string frame_id;          ///< tf frame of the poses; empty: as in the file
+  double rate_hz = 100;          ///< poses a second, in [0.1, 10000]
+  bool loop = false;             ///< again and again from the start
+  bool stay = false;             ///< after the end: keep publishing the last pose instead of exiting
+  int wait_for_subscribers = 1;  ///< do not start before so many listen, in [0, 100]
 };
 
-/// Reads ~path, ~tool, ~topic, ~frame_id, ~rate, ~loop, ~stay, ~wait_for_subscriber. Throws
+/// Reads ~path, ~tool, ~topic, ~frame_id, ~rate, ~loop, ~stay, ~wait_for_subscribers. Throws
 /// std::invalid_argument.
 PathPlayerConfig readPathPlayerConfig(const ros::NodeHandle& private_node_handle);
 

@@ -103,7 +103,8 @@ class Simulation {
   std::int64_t stepCount() const;
   double time_s() const;         ///< stepCount() * time_step_s
   double restVolume_m3() const;  ///< of the mesh before any cut
-  int numCuts() const;           ///< cuts made since the start or the last reset
+  /// Strokes of blades that have split something, and cuts by cut(), since the start or the last reset.
+  int numCuts() const;
   int cellsLeftWhole() const;    ///< summed over these cuts
   double addedMass_kg() const;   ///< by the mass floor
   double totalEnergy_j() const;  ///< kinetic + elastic + gravity

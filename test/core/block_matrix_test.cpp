@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "polyscalpel/solver/block_matrix.hpp"
+#include "polyscalpel/core/block_matrix.hpp"
 
 #include <gtest/gtest.h>
 
