@@ -39,7 +39,7 @@ class PathPlayer {
 
  private:
   PathPlayer(const PathPlayerConfig& config, const KeyFrames& key_frames, ros::NodeHandle& node_handle);
-  bool waitForSubscriber() const;
+  bool waitForSubscribers() const;
   void publish(std::int64_t number, const ros::Time& start) const;
 
   PathPlayerConfig config_;
