@@ -26,7 +26,7 @@ void CutEventPublisher::publish(const CutResult& result, const PolyhedralMesh& m
   }
   for (const FaceId id : result.change.changed_faces) {
     const Face& face = mesh.face(id);
-    if (face.isAlive() && face.cut == result.cut) ++msg.new_faces;
+    if (id.index() >= faces_before_ && face.isAlive() && face.cut == result.cut) ++msg.new_faces;
   }
   msg.new_vertices = static_cast<int>(result.change.new_vertices.size());
   msg.pieces_before = result.pieces_before;

@@ -51,6 +51,7 @@ SimulationNode::SimulationNode(const SceneParameters& parameters, const ros::Nod
     status_.tools[i].name = parameters_.simulation.tools[i].name;
   status_.converged = true;
   for (const std::string& remark : simulation_.remarks()) ROS_INFO("mesh: %s", remark.c_str());
+  cut_event_publisher_.noteFaces(simulation_.mesh());
   advertise();
   subscribe();
   publishTissueFrame();
@@ -123,6 +124,7 @@ void SimulationNode::onTransforms(const tf2_msgs::TFMessage& message, bool is_st
 bool SimulationNode::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   try {
     simulation_.reset();
+    cut_event_publisher_.noteFaces(simulation_.mesh());
     stamp_clock_.clear();
     transforms_.clear();
     lockstep_clock_.clear();
@@ -193,6 +195,7 @@ void SimulationNode::makeCut(const CutOperation& operation, Cut::Response& respo
   response.cut_area_m2 += result.cut_area_m2;
   response.success = true;
   cut_event_publisher_.publish(result, simulation_.mesh(), "service", stateStamp(), simulation_.time_s());
+  cut_event_publisher_.noteFaces(simulation_.mesh());
 }
 
 bool SimulationNode::onSetPaused(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
@@ -342,7 +345,10 @@ void SimulationNode::step(const ToolPoses& T_world_tool, const ros::Time& stamp)
         cut.tool < 0 ? "service" : parameters_.simulation.tools[static_cast<std::size_t>(cut.tool)].name;
     cut_event_publisher_.publish(cut.result, simulation_.mesh(), source, stamp, simulation_.time_s());
   }
-  if (!report.cuts.empty()) body_counter_.topologyChanged();
+  if (!report.cuts.empty()) {
+    body_counter_.topologyChanged();
+    cut_event_publisher_.noteFaces(simulation_.mesh());
+  }
   publishTools(report, T_world_tool);
   if (simulation_.stepCount() % steps_per_mesh_ == 0) publishMesh();
   publishStatus();

@@ -32,6 +32,13 @@ class ServicesTest(unittest.TestCase):
     def cut_plane(self, point, normal, **others):
         return self.services.cut(plane_points=[Point(*point)], plane_normals=[Vector3(*normal)], **others)
 
+    def mesh_now(self):
+        """The mesh of the present state, not one that was still under way."""
+        asked = rospy.Time.now()
+        self.services.set_paused(True)  # publishes the mesh
+        wait_until(lambda: self.listener.mesh and self.listener.mesh[-1].markers[0].header.stamp >= asked, 'the mesh')
+        return shapes(self.listener.mesh[-1])
+
     def test_a_plane_makes_two_pieces_and_status_agrees(self):
         response = self.cut_plane((0.015, 0, 0), (1, 0, 0))
         self.assertTrue(response.success, response.message)
@@ -104,19 +111,15 @@ class ServicesTest(unittest.TestCase):
         response = self.cut_plane((0.015, 0, 0), (1, 0, 0), header=request_header)
         self.assertFalse(response.success)
         self.assertIn('nowhere', response.message)
-        self.services.set_paused(True)  # publishes the mesh again
-        wait_until(lambda: self.listener.mesh, 'the mesh')
-        self.assertEqual(shapes(self.listener.mesh[-1]), self.start)
+        self.assertEqual(self.mesh_now(), self.start)
 
     def test_reset_restores_the_start_bit_for_bit(self):
         self.assertTrue(self.cut_plane((0.015, 0, 0), (1, 0.2, 0)).success)
         self.assertTrue(self.services.step(20).success)
-        self.services.set_paused(True)
-        wait_until(lambda: self.listener.status and self.listener.status[-1].step == 20, 'the steps')
-        wait_until(lambda: shapes(self.listener.mesh[-1]) != self.start, 'another mesh')
+        self.assertNotEqual(self.mesh_now(), self.start)
         self.assertTrue(self.services.reset().success)
+        self.assertEqual(self.mesh_now(), self.start)
         wait_until(lambda: self.listener.status[-1].step == 0, 'the reset')
-        wait_until(lambda: shapes(self.listener.mesh[-1]) == self.start, 'the same mesh')
         status = self.listener.status[-1]
         self.assertEqual((status.cells, status.pieces, status.cuts, status.time_s), (27, 1, 0, 0))
 
@@ -126,10 +129,7 @@ class ServicesTest(unittest.TestCase):
             self.services.reset()
             self.assertTrue(self.cut_plane((0.015, 0, 0), (1, 0.2, 0)).success)
             self.assertTrue(self.services.step(15).success)
-            self.listener.clear()
-            self.services.set_paused(True)
-            wait_until(lambda: self.listener.mesh, 'the mesh')
-            runs.append(shapes(self.listener.mesh[-1]))
+            runs.append(self.mesh_now())
         self.assertEqual(runs[0], runs[1])
 
     def test_steps_only_while_paused_and_in_range(self):

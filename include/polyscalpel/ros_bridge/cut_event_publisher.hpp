@@ -19,6 +19,10 @@ class CutEventPublisher {
  public:
   CutEventPublisher(ros::NodeHandle& node_handle, std::string world_frame);
 
+  /// To be called at the start, after a reset and once the cuts of a step are published: faces that exist now
+  /// are not new in the events to come, although the stroke that goes on gives them the same number.
+  void noteFaces(const PolyhedralMesh& mesh) { faces_before_ = mesh.faceCapacity(); }
+
   /// mesh: after the cut. source: name of the tool, or "service". time_s: simulated time.
   void publish(const CutResult& result, const PolyhedralMesh& mesh, const std::string& source,
                const ros::Time& stamp, double time_s) const;
@@ -26,6 +30,7 @@ class CutEventPublisher {
  private:
   ros::Publisher publisher_;
   std::string world_frame_;
+  int faces_before_ = 0;
 };
 
 }  // namespace polyscalpel
