@@ -266,20 +266,21 @@ MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceI
 }
 
 void MeshEditor::openFace(FaceId id, int cut) {
-  POLYSCALPEL_ASSERT(!mesh_.face(id).isBoundary());
-  Face& front = touchFace(id);
-  Face back;
-  back.loop.assign(front.loop.rbegin(), front.loop.rend());
-  back.is_corner.assign(front.is_corner.rbegin(), front.is_corner.rend());
-  back.cells[0] = front.cells[1];
-  back.cut = front.cut = cut;
-  front.cells[1] = CellId();
-  const CellId behind = back.cells[0];
-  const FaceId back_id = addFace(std::move(back));
-  touchCell(mesh_.face(id).cells[0]);  // its neighbourhood changed
-  Cell& cell = touchCell(behind);
-  eraseValue(cell.faces, id);
-  cell.faces.push_back(back_id);
+  const Face closed = mesh_.face(id);
+  POLYSCALPEL_ASSERT(!closed.isBoundary());
+  Face front = closed, back = closed;
+  std::reverse(back.loop.begin(), back.loop.end());
+  std::reverse(back.is_corner.begin(), back.is_corner.end());
+  front.cells = {closed.cells[0], CellId()};
+  back.cells = {closed.cells[1], CellId()};
+  removeFace(id);
+  for (Face* face : {&front, &back}) {
+    face->cut = cut;
+    Cell& cell = touchCell(face->cells[0]);
+    eraseValue(cell.faces, id);
+    cell.faces.push_back(FaceId(mesh_.faces_.size()));
+    addFace(std::move(*face));
+  }
 }
 
 void MeshEditor::separateVertex(VertexId vertex) {

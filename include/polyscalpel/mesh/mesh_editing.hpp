@@ -44,7 +44,7 @@ class MeshEditor {
   SplitCell splitCell(CellId cell, const std::vector<FaceId>& first_faces,
                       const std::vector<VertexId>& cap_loop, int cut);
 
-  /// Turns a face between two cells into two boundary faces in the same place, marked with the cut's number.
+  /// Replaces a face between two cells by two boundary faces in the same place, marked with the cut's number.
   void openFace(FaceId face, int cut);
 
   /// Where the cells around a vertex are no longer joined through closed faces, gives each part but the one
