@@ -7,7 +7,7 @@
 SetFactory("OpenCASCADE");
 
 
-edge = 0.0070;  // edge length of the tets [m]
+edge = 0.0073;  // edge length of the tets [m]
 
 // Each lobe is a unit sphere under an affine map; the maps turn the spheres so that their seams and most poles lie inside
 // the others or below the table: they would leave rows of small cells.

@@ -4,14 +4,14 @@
 #include <cmath>
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/MP_Float.h>
+#include <CGAL/Gmpq.h>
 #include <Eigen/Geometry>
 
 namespace polyscalpel {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using CGAL::MP_Float;
+using CGAL::Gmpq;
 using Eigen::Vector3d;
 
 Kernel::Point_3 toPoint(const Vector3d& p) {
@@ -32,8 +32,8 @@ double determinant(const Vector3d& a, const Vector3d& b, const Vector3d& c, cons
 int shiftSign(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
-    const MP_Float first = (MP_Float(b[j]) - MP_Float(a[j])) * (MP_Float(d[k]) - MP_Float(c[k]));
-    const MP_Float second = (MP_Float(b[k]) - MP_Float(a[k])) * (MP_Float(d[j]) - MP_Float(c[j]));
+    const Gmpq first = (Gmpq(b[j]) - Gmpq(a[j])) * (Gmpq(d[k]) - Gmpq(c[k]));
+    const Gmpq second = (Gmpq(b[k]) - Gmpq(a[k])) * (Gmpq(d[j]) - Gmpq(c[j]));
     const auto sign = CGAL::sign(first - second);
     if (sign != CGAL::ZERO) return static_cast<int>(sign);
   }
@@ -53,9 +53,9 @@ int sideOfPlane(const Vector3d& mesh_point, const Vector3d& plane_point, const V
   // Each of the three products carries at most 1.5 ulp of itself, the sum at most 2 more.
   const double bound = 4 * std::numeric_limits<double>::epsilon() * normal.cwiseAbs().dot(offset.cwiseAbs());
   if (std::abs(value) > bound && bound > std::numeric_limits<double>::min()) return value > 0 ? 1 : -1;
-  MP_Float exact(0.0);
+  Gmpq exact(0.0);
   for (int i = 0; i < 3; ++i) {
-    exact = exact + MP_Float(normal[i]) * (MP_Float(mesh_point[i]) - MP_Float(plane_point[i]));
+    exact = exact + Gmpq(normal[i]) * (Gmpq(mesh_point[i]) - Gmpq(plane_point[i]));
   }
   const auto sign = CGAL::sign(exact);
   if (sign != CGAL::ZERO) return static_cast<int>(sign);

@@ -98,10 +98,11 @@ const char* toString(SolveStatus status) {
 
 struct DirectSolver::Impl {
   cholmod_common common;
-  std::vector<int> free_index;  // of each vertex; -1 where fixed
+  std::vector<int> free_index;  // of each vertex, -1 where fixed; descending, so that the pattern's lower
+                                // part is upper here
   int num_free = 0;
   Ordering ordering = Ordering::kUndecided;
-  Sparse matrix;  // lower part, 3 num_free square
+  Sparse matrix;  // upper part, 3 num_free square: CHOLMOD permutes a lower one by transposing it twice
   Factor factor;
   Dense rhs;
   cholmod_dense* solution = nullptr;  // these three are made and kept by cholmod_solve2
@@ -143,7 +144,8 @@ struct DirectSolver::Impl {
   bool solveWithFactor(const Eigen::VectorXd& right, bool add);
 };
 
-// The scalar matrix's pattern: within a column of blocks the rows are those of the free vertices, ascending.
+// The scalar matrix's pattern. Free indices run against the vertices, so going through the pattern backwards
+// gives columns and the rows within them ascending, the diagonal last.
 bool DirectSolver::Impl::makeMatrix(const BlockPattern& pattern) {
   std::size_t num_entries = 0;
   for (int column = 0; column < pattern.numVertices(); ++column) {
@@ -155,20 +157,21 @@ bool DirectSolver::Impl::makeMatrix(const BlockPattern& pattern) {
   }
   const std::size_t size = 3 * static_cast<std::size_t>(num_free);
   matrix =
-      Sparse(cholmod_allocate_sparse(size, size, num_entries, 1, 1, -1, CHOLMOD_REAL, &common), {&common});
+      Sparse(cholmod_allocate_sparse(size, size, num_entries, 1, 1, 1, CHOLMOD_REAL, &common), {&common});
   rhs = Dense(cholmod_allocate_dense(size, 1, size, CHOLMOD_REAL, &common), {&common});
   if (!matrix || !rhs) return false;
   int* const start = static_cast<int*>(matrix->p);
   int* const rows = static_cast<int*>(matrix->i);
   int entry = 0;
-  for (int column = 0; column < pattern.numVertices(); ++column) {
+  for (int column = pattern.numVertices() - 1; column >= 0; --column) {
     if (free_index[column] < 0) continue;
     for (int c = 0; c < 3; ++c) {
       start[3 * free_index[column] + c] = entry;
-      for (int k = pattern.column_start[column]; k < pattern.column_start[column + 1]; ++k) {
+      for (int k = pattern.column_start[column + 1] - 1; k >= pattern.column_start[column]; --k) {
         const int row = free_index[pattern.row[k]];
         if (row < 0) continue;
-        for (int r = row == free_index[column] ? c : 0; r < 3; ++r) rows[entry++] = 3 * row + r;
+        const int last = row == free_index[column] ? c : 2;
+        for (int r = 0; r <= last; ++r) rows[entry++] = 3 * row + r;
       }
     }
   }
@@ -181,16 +184,16 @@ bool DirectSolver::Impl::makeMatrix(const BlockPattern& pattern) {
 bool DirectSolver::Impl::orderVertices(const BlockPattern& pattern, Ordering ordering,
                                        std::vector<int>& order) {
   const std::size_t size = static_cast<std::size_t>(num_free);
-  Sparse graph(cholmod_allocate_sparse(size, size, pattern.row.size(), 1, 1, -1, CHOLMOD_PATTERN, &common),
+  Sparse graph(cholmod_allocate_sparse(size, size, pattern.row.size(), 1, 1, 1, CHOLMOD_PATTERN, &common),
                {&common});
   if (!graph) return false;
   int* const start = static_cast<int*>(graph->p);
   int* const rows = static_cast<int*>(graph->i);
   int entry = 0;
-  for (int column = 0; column < pattern.numVertices(); ++column) {
+  for (int column = pattern.numVertices() - 1; column >= 0; --column) {
     if (free_index[column] < 0) continue;
     start[free_index[column]] = entry;
-    for (int k = pattern.column_start[column]; k < pattern.column_start[column + 1]; ++k) {
+    for (int k = pattern.column_start[column + 1] - 1; k >= pattern.column_start[column]; --k) {
       if (free_index[pattern.row[k]] >= 0) rows[entry++] = free_index[pattern.row[k]];
     }
   }
@@ -229,7 +232,7 @@ SolveStatus DirectSolver::analyse(const BlockPattern& pattern, const std::vector
   s.factor.reset();
   s.free_index.assign(fixed.size(), -1);
   s.num_free = 0;
-  for (std::size_t i = 0; i < fixed.size(); ++i) {
+  for (std::size_t i = fixed.size(); i-- > 0;) {
     if (!fixed[i]) s.free_index[i] = s.num_free++;
   }
   if (s.num_free == 0) return SolveStatus::kSolved;
@@ -268,14 +271,16 @@ SolveStatus DirectSolver::factorise(const BlockPattern& pattern, const Blocks& b
   double* const values = static_cast<double*>(s.matrix->x);
   double zero = 0;  // turns into NaN at the first value that is not finite
   int entry = 0;
-  for (int column = 0; column < pattern.numVertices(); ++column) {
+  for (int column = pattern.numVertices() - 1; column >= 0; --column) {
     if (s.free_index[column] < 0) continue;
     for (int c = 0; c < 3; ++c) {
-      for (int k = pattern.column_start[column]; k < pattern.column_start[column + 1]; ++k) {
+      for (int k = pattern.column_start[column + 1] - 1; k >= pattern.column_start[column]; --k) {
         const int row = pattern.row[k];
         if (s.free_index[row] < 0) continue;
-        for (int r = row == column ? c : 0; r < 3; ++r) {
-          const double value = blocks[k](r, c);
+        const int last = row == column ? c : 2;
+        for (int r = 0; r <= last; ++r) {
+          const double value =
+              row == column ? blocks[k](c, r) : blocks[k](r, c);  // of a diagonal block the lower part
           zero += value * 0.0;
           values[entry++] = value;
         }
@@ -300,8 +305,9 @@ double DirectSolver::Impl::updateResidual() {
   const double* const values = static_cast<const double*>(matrix->x);
   for (int column = 0; column < static_cast<int>(b.size()); ++column) {
     const double x_column = x[column];
-    double sum = values[start[column]] * x_column;
-    for (int k = start[column] + 1; k < start[column + 1]; ++k) {
+    const int diagonal = start[column + 1] - 1;
+    double sum = values[diagonal] * x_column;
+    for (int k = start[column]; k < diagonal; ++k) {
       residual[rows[k]] -= values[k] * x_column;
       sum += values[k] * x[rows[k]];
     }
