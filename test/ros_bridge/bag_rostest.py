@@ -55,6 +55,8 @@ class BagTest(unittest.TestCase):
             time.sleep(1)
             recorder.send_signal(signal.SIGINT)
             recorder.wait()
+            # The recorder gives the file its name when it has written the index; its wrapper may end before.
+            wait_until(lambda: os.path.exists(recording), 'the recording')
             with rosbag.Bag(recording) as bag:
                 self.assertEqual(len(self.moving([m for _, m, _ in bag.read_messages('/mesh')])), 50)
             runs.append((digest(self.moving(listener.mesh)), digest(listener.contacts), digest(listener.cuts)))
