@@ -6,16 +6,30 @@
 #include <Eigen/Core>
 
 #include "polyscalpel/core/block_matrix.hpp"
-#include "polyscalpel/elements/element_matrices.hpp"
+#include "polyscalpel/elements/cell_mechanics.hpp"
+#include "polyscalpel/elements/element_formulation.hpp"
+#include "polyscalpel/elements/strain_measure.hpp"
 #include "polyscalpel/mesh/mesh_change.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
 
 namespace polyscalpel {
 
-/// All cells' matrices, and what they sum up to: mass, stiffness R K R^T and forces R K (R^T x - X), the
-/// stiffness warping of M. Mueller, M. Gross, "Interactive Virtual Materials", Graphics Interface 2004, with
-/// one rotation R a cell. All sums run over the cells by ascending id, so the same input gives the same bits.
-/// A value: a copy is independent.
+/// What cells of one kind are made of, and how they become elements.
+struct CellKind {
+  IsotropicMaterial material;
+  ElementConfig element;
+};
+
+/// The kinds of a body's cells.
+struct CellKinds {
+  std::vector<CellKind> kinds = {{}};  ///< at least 1; equal in strain, exact_force and consistent_mass
+  std::vector<int> of_cell;            ///< by cell id, indices into kinds; empty: kind 0 everywhere
+};
+
+/// All cells' matrices, and what they sum up to: mass, a positive semidefinite stiffness and forces, with one
+/// rotation R a cell (M. Mueller, M. Gross, "Interactive Virtual Materials", Graphics Interface 2004). All
+/// sums run over the cells by ascending id, so the same input gives the same bits. A value: a copy is
+/// independent.
 ///
 /// Positions and forces are 3 x numVertices(), one column per vertex [m], [N].
 class Assembly {
@@ -23,38 +37,43 @@ class Assembly {
   /// Matrices of every cell of the mesh. mass_floor: lowest mass of a vertex that a later cut makes or
   /// touches, as a part of the median vertex mass of this mesh. Throws std::invalid_argument for bad material
   /// or element config.
+  Assembly(const PolyhedralMesh& mesh, const CellKinds& kinds, double mass_floor);
+  /// One kind.
   Assembly(const PolyhedralMesh& mesh, const IsotropicMaterial& material, const ElementConfig& config,
            double mass_floor);
 
-  /// Follows a change of the mesh: matrices are made for new and changed cells only; the pattern is made
-  /// anew.
+  /// Follows a change of the mesh: matrices are made for new and changed cells only, which take their
+  /// parents' kinds; the pattern is made anew.
   void update(const PolyhedralMesh& mesh, const MeshChange& change);
 
   int numVertices() const { return pattern_.numVertices(); }
-  bool isCorotated() const { return config_.corotated; }
+  /// Whether the stiffness is the same in every deformation.
+  bool hasConstantStiffness() const { return !measure_->rotates(); }
 
   /// Pairs of vertices that share a cell. Stays as it is until the next update().
   const BlockPattern& pattern() const { return pattern_; }
 
-  /// Takes each cell's rotation from its mean deformation gradient at these positions. Does nothing when not
-  /// corotated: rotations are then identity for ever.
-  void updateRotations(const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
+  /// Linearises every cell's force around these positions.
+  void linearise(const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
-  /// Sets every rotation to identity: the small-strain operator of the rest shape.
-  void resetRotations();
+  /// The same around the rest shape.
+  void lineariseAtRest();
 
-  /// matrix = mass_scale M + stiffness_scale R K R^T, at the rotations last taken. matrix: resized to the
-  /// pattern.
+  /// matrix = mass_scale M + stiffness_scale K, K the positive semidefinite tangent of the linearisation;
+  /// corotated: R K R^T. matrix: resized to the pattern.
   void assemble(double mass_scale, double stiffness_scale, Blocks& matrix);
 
-  /// f = R K (R^T x - X) at the rotations last taken, whatever positions those were taken from; minus the
-  /// elastic force on the vertices [N]. forces: resized and set.
+  /// matrix = d^2 E / dx^2 at these positions, of the elastic energy itself: indefinite in general.
+  void assembleExactTangent(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, Blocks& matrix) const;
+
+  /// Minus the elastic force on the vertices by the last linearisation: at the positions of that, and with
+  /// exact_force, the gradient of elasticEnergy(); elsewhere linear in the positions. forces: resized and set.
   void internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, Eigen::Matrix3Xd& forces);
 
   /// M v. values, result: 3 x n; result is resized and set.
   void multiplyMass(const Eigen::Ref<const Eigen::Matrix3Xd>& values, Eigen::Matrix3Xd& result) const;
 
-  /// sum 1/2 (R^T x - X)^T K (R^T x - X) over the cells, with the rotations at x itself [J].
+  /// E(x) summed over the cells [J].
   double elasticEnergy(const Eigen::Ref<const Eigen::Matrix3Xd>& positions) const;
 
   /// Mass of each vertex, the row sums of M [kg], mass floor included.
@@ -62,52 +81,50 @@ class Assembly {
   /// Part of the mass that only the mass floor put there [kg].
   double addedMass_kg() const { return added_mass_; }
 
+  const StrainMeasure& strainMeasure() const { return *measure_; }
+  /// Kind of a cell that is alive.
+  int kindOf(CellId cell) const { return kind_of_cell_[cell.index()]; }
+  const CellKind& kind(int index) const { return kinds_[index]; }
+  int numKinds() const { return static_cast<int>(kinds_.size()); }
+  /// Matrices of a cell that is alive. Valid until the next update().
+  const ElementMatrices& elementMatrices(CellId cell) const { return elements_[cell.index()]; }
+
  private:
   // Cells that are alive, ascending, with their data side by side.
   struct PackedCell {
     int cell = 0;
+    int kind = 0;
     int num_vertices = 0;
-    bool is_tetrahedron = false;
-    int first_vertex = 0;  // in cell_vertices_, gradients_
+    bool is_stabilised = false;
+    int first_vertex = 0;  // in cell_vertices_, gradients_, rest_offsets_
     int first_block = 0;   // in cell_blocks_
     double volume = 0;
-  };
-
-  // Room for the largest cell, 3 x its number of vertices each, so that a step allocates nothing.
-  struct Workspace {
-    explicit Workspace(int num_vertices)
-        : positions(3, num_vertices), back(3, num_vertices), forces(3, num_vertices) {}
-    Eigen::Matrix3Xd
-        positions;  // relative to the cell's first vertex: far from the origin forces would else lose digits
-    Eigen::Matrix3Xd back;    // displacements R^T x - X
-    Eigen::Matrix3Xd forces;  // K (R^T x - X), in the cell's own frame
   };
 
   void makeCell(const PolyhedralMesh& mesh, int cell);
   void pack(const PolyhedralMesh& mesh);
   void makePattern();
   void makeMasses();
-  void assembleStiffness(double scale, Blocks& matrix);
-  void gather(const PackedCell& cell, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
-              Workspace& work) const;
-  Eigen::Matrix3d rotation(const PackedCell& cell, const Workspace& work) const;
-  void cellForces(const PackedCell& cell, const Eigen::Matrix3d& R, Workspace& work) const;
+  void assembleStiffness(double scale, Blocks& matrix) const;
+  CellView view(const PackedCell& cell) const;
+  Eigen::Ref<const Eigen::Matrix3Xd> gather(const PackedCell& cell,
+                                            const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+                                            Eigen::Matrix3Xd& room) const;
 
-  IsotropicMaterial material_;
-  ElementConfig config_;
-  double lambda_ = 0;
-  double mu_ = 0;
+  const StrainMeasure* measure_ = nullptr;
+  std::vector<CellKind> kinds_;
+  std::vector<CellFormulation> formulations_;  // one a kind
+  std::vector<LameModuli> moduli_;             // one a kind
   double mass_floor_kg_ = 0;
 
-  std::vector<ElementMatrices>
-      elements_;  // by cell id; a tetrahedron's stiffness is left empty, its gradients say it all
-  std::vector<char> is_tetrahedron_;  // by cell id
-  std::vector<char> is_touched_;      // by vertex id: made or touched by a cut
-  Eigen::Matrix3Xd rest_positions_;
+  std::vector<ElementMatrices> elements_;  // by cell id
+  std::vector<int> kind_of_cell_;          // by cell id
+  std::vector<char> is_touched_;           // by vertex id: made or touched by a cut
 
   std::vector<PackedCell> cells_;
   std::vector<int> cell_vertices_;
-  Eigen::Matrix3Xd gradients_;  // Gm of all cells side by side
+  Eigen::Matrix3Xd gradients_;     // Gm of all cells side by side
+  Eigen::Matrix3Xd rest_offsets_;  // X of all cells side by side, relative to the cell's first vertex
   std::vector<int>
       cell_blocks_;  // lower triangle, row by row: block of local vertices (0,0) (1,0) (1,1) (2,0) ...
   BlockPattern pattern_;
@@ -115,9 +132,11 @@ class Assembly {
   std::vector<double> block_masses_;  // by block [kg]: entry m_ij of M
   double added_mass_ = 0;
 
-  std::vector<Eigen::Matrix3d> rotations_;  // by packed cell
-  Workspace work_{0};
-  Blocks rest_stiffness_;  // K for identity rotations, made when first needed, when not corotated
+  std::vector<CellLinearisation> linearisations_;  // by packed cell
+  int largest_cell_ = 0;                           // most vertices of a cell
+  CellWorkspace work_{0};
+  Eigen::Matrix3Xd gathered_, cell_forces_;
+  Blocks rest_stiffness_;  // K, made when first needed, where it is constant
 };
 
 }  // namespace polyscalpel

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ struct MeshFileConfig {
 struct MeshFile {
   PolyhedralMesh mesh;
   std::vector<std::string> remarks;
+  /// Names of Gmsh's physical groups that have one, with the number that is Cell::region.
+  std::map<std::string, int> region_names;
 };
 
 /// Reads a volume mesh (tets, hexes, prisms, pyramids become polyhedra as they are; Gmsh's physical groups

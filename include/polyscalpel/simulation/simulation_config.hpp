@@ -11,7 +11,7 @@
 #include "polyscalpel/collision/contact_forces.hpp"
 #include "polyscalpel/collision/tool_shape.hpp"
 #include "polyscalpel/cutting/cut_mesh.hpp"
-#include "polyscalpel/elements/element_matrices.hpp"
+#include "polyscalpel/elements/element_config.hpp"
 #include "polyscalpel/materials/isotropic_material.hpp"
 #include "polyscalpel/mesh/mesh_io.hpp"
 
@@ -48,9 +48,36 @@ struct FixedVertices {
 };
 using FixedRegion = std::variant<FixedBox, FixedSphere, FixedVertices>;
 
+/// Cells made of another material, chosen in the uncut mesh; what a cut makes of them stays in the region.
+/// Exactly one of the three choices.
+struct RegionBox {
+  Eigen::Vector3d lowest_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d highest_m = Eigen::Vector3d::Zero();  ///< each >= lowest; bounds belong to the box
+};
+struct RegionSphere {
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  double radius_m = 0;  ///< > 0
+};
+struct RegionGroup {
+  int group = 0;     ///< number of a physical group of the mesh file (Cell::region)
+  std::string name;  ///< or its name; one of the two
+};
+using RegionCells = std::variant<RegionBox, RegionSphere, RegionGroup>;
+
+struct RegionConfig {
+  std::string name;   ///< not empty, no two alike
+  RegionCells cells;  ///< a cell belongs to a box or sphere if the mean of its vertices does
+  IsotropicMaterial material;
+  std::optional<Formulation> formulation;  ///< none: as in SimulationConfig::element
+  std::optional<int> quadrature_points;    ///< none: as in SimulationConfig::element
+  /// Where regions overlap, the higher order wins. Overlapping regions without or of equal order are refused.
+  std::optional<int> order;
+};
+
 enum class AnalysisMode {
-  kDynamic,  ///< linearly implicit Euler
-  kStatic,   ///< linear static solution K u = F of the uncut or cut body under gravity; time does not act
+  kDynamic,      ///< linearly implicit Euler
+  kQuasiStatic,  ///< equilibrium in every step, without inertia and damping; tools move from step to step
+  kStatic,       ///< equilibrium under gravity of the uncut or cut body; time does not act
 };
 
 struct IntegrationConfig {
@@ -60,6 +87,8 @@ struct IntegrationConfig {
   double stiffness_damping_s = 0.01;  ///< >= 0
   Eigen::Vector3d gravity_m_s2 = Eigen::Vector3d(0, 0, -9.81);
   int contact_iterations = 3;  ///< in [1, 20]: solves a step, at most, to let go of contacts that would pull
+  double equilibrium_tolerance = 1e-6;  ///< in [1e-12, 0.1]: static modes; residual over the applied forces
+  int equilibrium_iterations = 50;      ///< in [1, 1000]: static modes; Newton steps at most
   double mass_floor = 0.02;    ///< in [0, 1]: lowest vertex mass as a part of the median rest mass
 };
 
@@ -71,20 +100,28 @@ struct ToolConfig {
                              ///< sweep, no contact force in that step
 };
 
+/// Stress, strain and error estimate beside the motion.
+struct StressConfig {
+  int interval_steps = 1;  ///< in [1, 1000000]: computed after every so many steps
+};
+
 /// Everything a simulation is made from. A part that is not asked for is not built.
 struct SimulationConfig {
   MeshConfig mesh;
   IsotropicMaterial material;
   ElementConfig element;
+  std::vector<RegionConfig> regions;  ///< cells of other materials
   std::vector<FixedRegion> fixed;
   IntegrationConfig integration;
   std::optional<CuttingConfig> cutting;  ///< none: neither blades nor the cut service
   std::optional<ContactConfig> contact;  ///< none: no collision surface, no contact forces
   std::vector<ToolConfig> tools;
+  std::optional<StressConfig> stress;  ///< none: no stress is computed
 };
 
 /// Throws std::invalid_argument with the field's path, value and range; also for two tools of one name, a
-/// blade without cutting, a static scene with contact, tools or nothing fixed.
+/// blade without cutting, two regions of one name, a static or quasi-static scene with nothing fixed, a static
+/// one with contact or tools.
 void validate(const SimulationConfig& config);
 
 }  // namespace polyscalpel
