@@ -265,7 +265,8 @@ TEST_P(RuinedCell, ReturnsToItsRestShapeWhenReleased) {
       CellWorkspace work(n);
       constexpr int kMostSteps = 2000;
       int step = 0;
-      const double enough = 1e-18 * norm * cell.rest.squaredNorm();
+      // Small strain ends at a linearised turn, and the rounding of that is energy.
+      const double enough = (measure_.rotates() ? 1e-18 : 1e-16) * norm * cell.rest.squaredNorm();
       while (step < kMostSteps && energyAt(measure_, cell.view(), x) > enough) {
         ++step;
         const CellLinearisation linearisation = linearise(measure_, cell.view(), x, true, work);
@@ -275,8 +276,8 @@ TEST_P(RuinedCell, ReturnsToItsRestShapeWhenReleased) {
         x -= dx.reshaped(3, n);
       }
       EXPECT_LT(step, kMostSteps) << energyAt(measure_, cell.view(), x) / enough;
-      // Small strain comes to rest at a linearised turn, which is none of the rest shape.
-      if (measure_.rotates()) EXPECT_LT(shapeError(x, cell.rest), 1e-6);
+      if (!measure_.rotates()) continue;
+      EXPECT_LT(shapeError(x, cell.rest), 1e-6);
     }
   }
 }

@@ -24,7 +24,7 @@ TEST_P(StudyMesh, FillsItsBoxSoundly) {
   EXPECT_NEAR(volume(mesh, mesh.restPositions()), kSize.prod(), 1e-12 * kSize.prod());
   const Eigen::Vector3d lowest = mesh.restPositions().rowwise().minCoeff();
   const Eigen::Vector3d highest = mesh.restPositions().rowwise().maxCoeff();
-  EXPECT_EQ(lowest, kLowest);
+  EXPECT_LT((lowest - kLowest).norm(), 1e-15);
   EXPECT_LT((highest - kLowest - kSize).norm(), 1e-15);
 }
 
@@ -54,7 +54,7 @@ TEST(VoronoiBox, HasACellForEverySeedAndNoShortEdges) {
 
 TEST(Glued, JoinsWhatACutHasParted) {
   const PolyhedralMesh mesh = makeHexBox(kLowest, kSize, kCounts);
-  const PolyhedralMesh open = slicedOpen(mesh, kLowest, kSize, 3, 1);
+  const PolyhedralMesh open = slicedOpen(mesh, makeRandomPlanes(kLowest, kSize, 3));
   const PolyhedralMesh closed = glued(open);
   EXPECT_GT(findPieces(open).count, 1);
   EXPECT_FALSE(fillsBox(open, kLowest, kSize));

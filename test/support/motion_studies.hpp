@@ -83,7 +83,7 @@ inline TumblingResult tumble(const ElementConfig& element, bool tetrahedra, int 
   const Eigen::Vector3i counts(8, 4, 2);
   const PolyhedralMesh whole = tetrahedra ? makeTetBox(Eigen::Vector3d::Zero(), size, counts)
                                           : makeHexBox(Eigen::Vector3d::Zero(), size, counts);
-  const PolyhedralMesh mesh = slicedOpen(whole, Eigen::Vector3d::Zero(), size, 2, 1);
+  const PolyhedralMesh mesh = slicedOpen(whole, makeRandomPlanes(Eigen::Vector3d::Zero(), size, 2));
   constexpr double kTurnRate = 4;  // [rad/s]
   IntegrationConfig config;
   config.gravity_m_s2.setZero();

@@ -91,35 +91,43 @@ inline bool fillsBox(const PolyhedralMesh& mesh, const Eigen::Vector3d& lowest, 
   return findPieces(mesh).count == 1;
 }
 
-/// The box cut through by random planes, each through its inner half. The body is left open.
-inline PolyhedralMesh slicedOpen(PolyhedralMesh mesh, const Eigen::Vector3d& lowest,
-                                 const Eigen::Vector3d& size, int num_planes, unsigned seed) {
+/// Planes at random, each through the inner half of a box. Same input, same planes.
+inline std::vector<PlaneCut> makeRandomPlanes(const Eigen::Vector3d& lowest, const Eigen::Vector3d& size,
+                                              int num_planes, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> part(0.25, 0.75);
-  for (int i = 0; i < num_planes; ++i) {
-    PlaneCut plane;
+  std::vector<PlaneCut> planes(num_planes);
+  for (PlaneCut& plane : planes) {
     for (int axis = 0; axis < 3; ++axis) {
       plane.point_world[axis] = lowest[axis] + part(random) * size[axis];
       plane.normal_world[axis] = normal(random);
     }
-    const Eigen::Matrix3Xd positions = mesh.restPositions();
-    if (cutMesh(mesh, positions, plane, CuttingConfig(), i + 1).status != CutStatus::kCut)
-      throw std::runtime_error("a plane through the inside of a box did not cut it");
   }
+  return planes;
+}
+
+/// Cuts the rest shape with a plane through its inside.
+inline void slice(PolyhedralMesh& mesh, const PlaneCut& plane, int cut) {
+  const Eigen::Matrix3Xd positions = mesh.restPositions();
+  if (cutMesh(mesh, positions, plane, CuttingConfig(), cut).status != CutStatus::kCut)
+    throw std::runtime_error("a plane through the inside of a body did not cut it");
+}
+
+/// The body cut by planes, left open.
+inline PolyhedralMesh slicedOpen(PolyhedralMesh mesh, const std::vector<PlaneCut>& planes) {
+  for (std::size_t i = 0; i < planes.size(); ++i) slice(mesh, planes[i], static_cast<int>(i) + 1);
   return mesh;
 }
 
-/// The same, glued again. Where a fallback of cutting has left a cell whole on one side of an earlier cut
-/// only, the two sides do not fit, and other planes are taken. Same input, same mesh.
-inline PolyhedralMesh sliced(const PolyhedralMesh& mesh, const Eigen::Vector3d& lowest,
-                             const Eigen::Vector3d& size, int num_planes, unsigned seed = 1) {
-  constexpr unsigned kMostTries = 20;
-  for (unsigned i = 0; i < kMostTries; ++i) {
-    PolyhedralMesh result = glued(slicedOpen(mesh, lowest, size, num_planes, seed + 1000 * i));
-    if (fillsBox(result, lowest, size)) return result;
+/// The body cut by planes, closed again after each: the sides of an open cut would each snap crossings to
+/// vertices of their own, and not fit any more after the next plane.
+inline PolyhedralMesh sliced(PolyhedralMesh mesh, const std::vector<PlaneCut>& planes) {
+  for (const PlaneCut& plane : planes) {
+    slice(mesh, plane, 1);
+    mesh = glued(mesh);
   }
-  throw std::runtime_error("no planes found whose cut can be glued");
+  return mesh;
 }
 
 /// Box from lowest to lowest + size [m] of counts.prod() cubes, each one hexahedron or five tetrahedra, or of
@@ -134,9 +142,9 @@ inline PolyhedralMesh makeStudyMesh(BodyKind kind, const Eigen::Vector3d& lowest
     case BodyKind::kVoronoi:
       return makeVoronoiBox(lowest, size, counts);
     case BodyKind::kSlicedHexahedra:
-      return sliced(makeHexBox(lowest, size, counts), lowest, size, num_planes);
+      return sliced(makeHexBox(lowest, size, counts), makeRandomPlanes(lowest, size, num_planes));
     case BodyKind::kSlicedTetrahedra:
-      return sliced(makeTetBox(lowest, size, counts), lowest, size, num_planes);
+      return sliced(makeTetBox(lowest, size, counts), makeRandomPlanes(lowest, size, num_planes));
   }
   throw std::invalid_argument("kind of body");
 }
