@@ -30,27 +30,31 @@ TEST(ManufacturedSolution, BodyForceIsTheDivergenceOfItsStress) {
   }
 }
 
+constexpr int kMeanValue4 = 0, kMeanValue1 = 1, kVirtual = 2;
+
 struct NamedFormulation {
   std::string name;
   ElementConfig config;
 };
 NamedFormulation formulation(int which) {
   NamedFormulation result{"mean value, 4 points", {}};
-  if (which == 1) {
+  if (which == kMeanValue1) {
     result.name = "mean value, 1 point";
     result.config.quadrature_points = 1;
-  } else if (which == 2) {
+  } else if (which == kVirtual) {
     result.name = "virtual element";
     result.config.formulation = Formulation::kVirtual;
   }
   return result;
 }
 
-/// Numbers of cells an edge. Below these the error of the values at the vertices, which falls faster, adds up
-/// to a tenth to the order in energy.
-std::vector<int> sizesOf(BodyKind kind) {
-  if (kind == BodyKind::kVoronoi) return {7, 9, 11};
-  return {6, 8, 12};
+/// Numbers of cells an edge, so many that h is as good as small. With fewer, the error of the values at the
+/// vertices, which falls faster, adds a tenth to the order in energy. On Voronoi cells the virtual element's
+/// error in L2 over h^2 grows like 1 - 0.9 h (n = 6 to 15): cells at the boundary, whose vertices are held,
+/// do better than others, and they become fewer.
+std::vector<int> sizesOf(BodyKind kind, int which) {
+  if (kind != BodyKind::kVoronoi) return {6, 8, 12};
+  return which == kVirtual ? std::vector<int>{9, 12, 15} : std::vector<int>{7, 9, 11};
 }
 
 class Convergence : public testing::TestWithParam<std::tuple<BodyKind, int>> {};
@@ -60,7 +64,7 @@ class Convergence : public testing::TestWithParam<std::tuple<BodyKind, int>> {};
 TEST_P(Convergence, HasTheOrdersOfFirstOrderElements) {
   const auto [kind, which] = GetParam();
   const NamedFormulation element = formulation(which);
-  const ConvergenceStudy study = studyConvergence(kind, sizesOf(kind), element.config);
+  const ConvergenceStudy study = studyConvergence(kind, sizesOf(kind, which), element.config);
   for (const ConvergencePoint& point : study.points) {
     RecordProperty("errors_of_" + std::to_string(point.unknowns),
                    std::to_string(point.l2_error) + " " + std::to_string(point.energy_error));
@@ -71,18 +75,20 @@ TEST_P(Convergence, HasTheOrdersOfFirstOrderElements) {
 }
 
 // A tetrahedron is the same under every formulation.
-INSTANTIATE_TEST_SUITE_P(Tetrahedra, Convergence, testing::Values(std::make_tuple(BodyKind::kTetrahedra, 0)));
+INSTANTIATE_TEST_SUITE_P(Tetrahedra, Convergence,
+                         testing::Values(std::make_tuple(BodyKind::kTetrahedra, kMeanValue4)));
 INSTANTIATE_TEST_SUITE_P(Hexahedra, Convergence,
-                         testing::Combine(testing::Values(BodyKind::kHexahedra), testing::Range(0, 3)));
+                         testing::Combine(testing::Values(BodyKind::kHexahedra),
+                                          testing::Values(kMeanValue4, kMeanValue1, kVirtual)));
 // Sanitisers slow these down tenfold, and would see nothing in them that they do not see in the others.
 #ifndef __SANITIZE_ADDRESS__
 INSTANTIATE_TEST_SUITE_P(Polyhedra, Convergence,
                          testing::Combine(testing::Values(BodyKind::kVoronoi, BodyKind::kSlicedHexahedra,
                                                           BodyKind::kSlicedTetrahedra),
-                                          testing::Range(0, 3)));
+                                          testing::Values(kMeanValue4, kMeanValue1, kVirtual)));
 #else
 INSTANTIATE_TEST_SUITE_P(Polyhedra, Convergence,
-                         testing::Values(std::make_tuple(BodyKind::kSlicedHexahedra, 0)));
+                         testing::Values(std::make_tuple(BodyKind::kSlicedHexahedra, kMeanValue4)));
 #endif
 
 }  // namespace
