@@ -3,9 +3,11 @@
 // Lowest eigenfrequencies of a free body.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <stdexcept>
+#include <vector>
 
 #include <Eigen/Dense>
 #include <Eigen/Eigenvalues>

@@ -3,8 +3,10 @@
 // What motion keeps: energy of a pendulum, momentum and angular momentum of a body that flies.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <variant>
 #include <vector>
 
 #include <Eigen/Geometry>
