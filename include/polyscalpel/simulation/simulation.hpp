@@ -11,6 +11,7 @@
 
 #include "polyscalpel/collision/contact_forces.hpp"
 #include "polyscalpel/cutting/cut_mesh.hpp"
+#include "polyscalpel/elements/stress_recovery.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
 #include "polyscalpel/simulation/simulation_config.hpp"
 
@@ -24,6 +25,7 @@ struct StageTimes {
   double solve_s = 0;      ///< factorisation and solution
   double cutting_s = 0;    ///< crossings and splits
   double update_s = 0;     ///< matrices, pattern and surface after a cut
+  double stress_s = 0;     ///< stress, strain and error estimate
   double total_s = 0;      ///< the whole step
 };
 
@@ -62,6 +64,7 @@ struct StepReport {
   std::string message;           ///< why, when not converged
   double relative_residual = 0;  ///< |A dv - b| / |b| of the last solve
   int solves = 0;
+  int iterations = 0;  ///< Newton steps of the static modes, 0 in dynamic ones
   StageTimes times;
   std::vector<ToolReport> tools;  ///< one a tool of the config
   std::vector<AppliedContact> contacts;
@@ -97,6 +100,8 @@ class Simulation {
   const Eigen::Matrix3Xd& velocities() const;
   const Pieces& pieces() const;
   const std::vector<bool>& fixedVertices() const;
+  /// Stress of the body as it lies; nullptr where there is none. Valid until the next step, cut or reset.
+  const StressField* stressField() const;
   /// Shape of a tool, or nullptr when it has none or the scene has no contact.
   const ToolShape* toolShape(int tool) const;
 
