@@ -25,7 +25,7 @@ struct StageTimes {
   double solve_s = 0;      ///< factorisation and solution
   double cutting_s = 0;    ///< crossings and splits
   double update_s = 0;     ///< matrices, pattern and surface after a cut
-  double stress_s = 0;     ///< stress, strain and error estimate
+  double stress_s = 0;     ///< stress and error estimate
   double total_s = 0;      ///< the whole step
 };
 
@@ -60,11 +60,12 @@ struct CutEvent {
 };
 
 struct StepReport {
-  bool converged = true;         ///< false: the solver failed, the state is as before the step
-  std::string message;           ///< why, when not converged
-  double relative_residual = 0;  ///< |A dv - b| / |b| of the last solve
+  bool converged = true;  ///< false: the solver failed, the state is as before the step
+  std::string message;    ///< why, when not converged
+  /// |A dv - b| / |b| of the last solve; in the static modes EquilibriumResult::relative_residual.
+  double relative_residual = 0;
   int solves = 0;
-  int iterations = 0;  ///< Newton steps of the static modes, 0 in dynamic ones
+  int iterations = 0;  ///< Newton steps of the static modes
   StageTimes times;
   std::vector<ToolReport> tools;  ///< one a tool of the config
   std::vector<AppliedContact> contacts;
@@ -100,8 +101,6 @@ class Simulation {
   const Eigen::Matrix3Xd& velocities() const;
   const Pieces& pieces() const;
   const std::vector<bool>& fixedVertices() const;
-  /// Stress of the body as it lies; nullptr where there is none. Valid until the next step, cut or reset.
-  const StressField* stressField() const;
   /// Shape of a tool, or nullptr when it has none or the scene has no contact.
   const ToolShape* toolShape(int tool) const;
 
@@ -113,8 +112,11 @@ class Simulation {
   int cellsLeftWhole() const;    ///< summed over these cuts
   double addedMass_kg() const;   ///< by the mass floor
   double totalEnergy_j() const;  ///< kinetic + elastic + gravity
-  /// Names of the parts built for this scene, of "mesh", "elements", "dynamics", "statics", "contact",
-  /// "cutting", "tools".
+  /// Stress as last computed, on the mesh as it was then; nullptr before that, after a cut until the next
+  /// time, and in a scene without StressConfig. Valid until the next step, cut or reset.
+  const StressField* stressField() const;
+  /// Names of the parts built for this scene, of "mesh", "elements", "dynamics", "statics",
+  /// "quasi-statics", "contact", "cutting", "tools", "stress".
   const std::vector<std::string>& parts() const;
   /// What a user should know about the mesh file.
   const std::vector<std::string>& remarks() const;
