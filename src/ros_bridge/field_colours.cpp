@@ -78,7 +78,7 @@ std::string describeColours(ColourBy colour_by, const Eigen::Vector2d& range_pa)
                      : colour_by == ColourBy::kMaxPrincipal ? "largest principal stress"
                                                             : "error energy density";
   char text[100];
-  std::snprintf(text, sizeof(text), "%s %.3g to %.3g Pa", name, range_pa(0), range_pa(1));
+  std::snprintf(text, sizeof(text), "%s %.4g to %.4g Pa", name, range_pa(0), range_pa(1));
   return text;
 }
 

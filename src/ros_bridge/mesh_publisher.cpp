@@ -20,6 +20,9 @@ constexpr std::size_t kMostArrows = 200;
 /// get them all.
 constexpr std::uint32_t kRealtimeQueue = 5;
 constexpr std::uint32_t kLockstepQueue = 500;
+/// Of the label that tells what the colours show, above the body's top, in body sizes: clear of the pieces'
+/// own.
+constexpr double kColourLabelHeight = 0.25;
 const Rgba kWireColour(0.15, 0.05, 0.05, 0.6);
 const Rgba kBladeColour(1.0, 0.95, 0.6, 1);
 const Rgba kArrowColour(1.0, 0.82, 0.15, 1);
@@ -75,7 +78,7 @@ void MeshPublisher::addSurface(visualization_msgs::MarkerArray& array) const {
     range_pa = colourRange(values, node.colour_range_pa);
     Marker label = makeLabel("colours", 0, describeColours(node.colour_by, range_pa));
     label.pose.position = toPointMsg((positions.rowwise().minCoeff() + positions.rowwise().maxCoeff()) / 2);
-    label.pose.position.z = positions.row(2).maxCoeff() + 0.12 * body_size_m_;
+    label.pose.position.z = positions.row(2).maxCoeff() + kColourLabelHeight * body_size_m_;
     array.markers.push_back(std::move(label));
   }
   const auto add = [&](bool cut_faces, const Rgba& rgba, const std::string& name) {

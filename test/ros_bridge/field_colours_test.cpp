@@ -102,7 +102,7 @@ TEST(FieldColours, RangeIsAsAskedForOrThatOfTheValues) {
   const Eigen::VectorXd values = Eigen::Vector4d(3, -1, 8, 2);
   EXPECT_EQ(colourRange(values, {0, 0}), Eigen::Vector2d(-1, 8));
   EXPECT_EQ(colourRange(values, {0, 5}), Eigen::Vector2d(0, 5));
-  EXPECT_EQ(describeColours(ColourBy::kVonMises, {0, 1234.5}), "von Mises stress 0 to 1.23e+03 Pa");
+  EXPECT_EQ(describeColours(ColourBy::kVonMises, {0, 1234.4}), "von Mises stress 0 to 1234 Pa");
   EXPECT_EQ(describeColours(ColourBy::kMaxPrincipal, {-20, 5}), "largest principal stress -20 to 5 Pa");
   EXPECT_EQ(describeColours(ColourBy::kError, {0, 0.5}), "error energy density 0 to 0.5 Pa");
 }

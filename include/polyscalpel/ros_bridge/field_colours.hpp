@@ -29,7 +29,7 @@ Eigen::VectorXd vertexValues(const PolyhedralMesh& mesh, const StressField& fiel
 /// value.
 Eigen::Vector2d colourRange(const Eigen::VectorXd& values, const Eigen::Vector2d& asked_pa);
 
-/// "von Mises stress 12 to 3.4e+03 Pa"
+/// "von Mises stress 12.5 to 3401 Pa"
 std::string describeColours(ColourBy colour_by, const Eigen::Vector2d& range_pa);
 
 /// Gives the corners of a marker made from these triangles of the mesh the colours of their values, a little
