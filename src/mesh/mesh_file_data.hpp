@@ -23,10 +23,10 @@ struct VolumeData {
       cells;                              ///< ascending cell numbers; loops outward unless a cell is inverted
   std::vector<std::size_t> cell_numbers;  ///< the file's number of each cell
   std::vector<int> regions;               ///< one a cell
-  std::map<std::string, int> region_names;  ///< of regions that have a name
+  std::map<std::string, int> region_names;     ///< of regions that have a name
   std::vector<int> volumes_of_several_groups;  ///< their cells took the smallest group for their region
-  std::vector<std::size_t> prisms;        ///< indices of the cells that are prisms
-  bool has_higher_order = false;          ///< cells had nodes besides their corners, which were left out
+  std::vector<std::size_t> prisms;             ///< indices of the cells that are prisms
+  bool has_higher_order = false;               ///< cells had nodes besides their corners, which were left out
 };
 
 /// Triangles as a file has them.

@@ -66,9 +66,7 @@ struct FixedRegionValidator {
   std::string path;
 
   void operator()(const FixedBox& box) const { validateBox(path, box.lowest_m, box.highest_m); }
-  void operator()(const FixedSphere& sphere) const {
-    validateSphere(path, sphere.centre_m, sphere.radius_m);
-  }
+  void operator()(const FixedSphere& sphere) const { validateSphere(path, sphere.centre_m, sphere.radius_m); }
   void operator()(const FixedVertices& list) const {
     if (list.vertices.empty()) throw std::invalid_argument(path + ".vertices: must not be empty");
     for (const int vertex : list.vertices) {
@@ -149,7 +147,8 @@ void validateTool(const std::string& path, const ToolConfig& tool, const Simulat
     throw std::invalid_argument(name + ": a blade needs the scene's cutting, which is not there");
 }
 
-// Without inertia nothing but what is fixed keeps a body in its place, and where time does not act nothing moves.
+// Without inertia nothing but what is fixed keeps a body in its place, and where time does not act nothing
+// moves.
 void validateMode(const SimulationConfig& config) {
   if (config.integration.mode == AnalysisMode::kDynamic) return;
   if (config.fixed.empty())

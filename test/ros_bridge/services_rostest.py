@@ -60,6 +60,7 @@ class ServicesTest(unittest.TestCase):
         self.assertEqual(set(event.child_parents), set(event.parents))
         self.assertEqual(event.new_faces, 18)
 
+        self.mesh_now()
         self.assertEqual(namespaces(self.listener.mesh[-1]), {'surface', 'cut_faces', 'wireframe', 'pieces'})
         labels = [m.text for m in self.listener.mesh[-1].markers if m.ns == 'pieces']
         self.assertEqual(labels, ['piece 1: 13.5 ml', 'piece 2: 13.5 ml'])
