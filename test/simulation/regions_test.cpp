@@ -2,14 +2,17 @@
 #include "polyscalpel/simulation/regions.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <map>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "polyscalpel/mesh/mesh_generation.hpp"
+#include "polyscalpel/simulation/simulation.hpp"
+#include "scenes.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -162,6 +165,26 @@ TEST(Regions, RefuseToHoldNothing) {
   expectRefused(row(),
                 scene({ordered(region("hidden", along(2, 3)), 1), ordered(region("over", along(0, 6)), 2)}),
                 {"regions[0] ('hidden')", "higher order"});
+}
+
+TEST(Regions, ABodySagsBetweenThoseOfItsTwoMaterials) {
+  const auto sag = [](const SimulationConfig& config) {
+    Simulation simulation(config);
+    EXPECT_TRUE(simulation.step({}).converged);
+    return (simulation.mesh().restPositions() - simulation.positions()).row(2).maxCoeff();
+  };
+  SimulationConfig soft = blockScene();
+  soft.integration.mode = AnalysisMode::kStatic;
+  SimulationConfig stiff = soft;
+  stiff.material.youngs_modulus_pa *= 10;
+  SimulationConfig both = soft;  // the lower half stiff
+  both.regions = {region("base", RegionBox{{0, 0, 0}, {0.1, 0.1, 0.025}}, stiff.material.youngs_modulus_pa)};
+  EXPECT_GT(sag(both), 1.1 * sag(stiff));
+  EXPECT_LT(sag(both), 0.9 * sag(soft));
+  // A region of everything, of the scene's own material, changes nothing.
+  SimulationConfig same = soft;
+  same.regions = {region("all", RegionBox{{0, 0, 0}, {0.1, 0.1, 0.05}}, soft.material.youngs_modulus_pa)};
+  EXPECT_EQ(sag(same), sag(soft));
 }
 
 }  // namespace
