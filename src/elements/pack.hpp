@@ -4,27 +4,44 @@
 #include <cmath>
 
 #if defined(__SSE2__)
-#include <emmintrin.h>
+#include <immintrin.h>
 #endif
 
 namespace polyscalpel {
 
-/// Two doubles that go through the same arithmetic side by side. GCC's and Clang's vector types, wrapped so
-/// that they can be template arguments; Eigen 3.4 does not vectorise comparisons and selections.
+template <int kWidth>
+struct DoubleVector;
+template <>
+struct DoubleVector<2> {
+  using Type = double __attribute__((vector_size(16)));
+};
+template <>
+struct DoubleVector<4> {
+  using Type = double __attribute__((vector_size(32)));
+};
+
+/// kWidth doubles that go through the same arithmetic side by side. GCC's and Clang's vector types, wrapped
+/// so that they can be template arguments; Eigen 3.4 does not vectorise comparisons and selections.
+template <int kWidth>
 class Pack {
  public:
-  static constexpr int kSize = 2;
-  using Values = double __attribute__((vector_size(16)));
+  static constexpr int kSize = kWidth;
+  using Values = typename DoubleVector<kWidth>::Type;
 
   /// What a comparison yields: all bits set where it holds.
   struct Mask {
     decltype(Values{} < Values{}) lanes;
     friend Mask operator&&(Mask a, Mask b) { return {a.lanes & b.lanes}; }
-    bool any() const { return (lanes[0] | lanes[1]) != 0; }
+    bool any() const {
+      bool result = false;
+      for (int lane = 0; lane < kWidth; ++lane) result = result || lanes[lane] != 0;
+      return result;
+    }
   };
 
   Pack() = default;
-  Pack(double value) : values_{value, value} {}  // NOLINT: numbers mix with packs as they do with each other
+  Pack(double value)
+      : values_(value - Values{}) {}  // NOLINT: numbers mix with packs as they do with each other
   explicit Pack(Values values) : values_(values) {}
 
   double operator[](int lane) const { return values_[lane]; }
@@ -38,11 +55,15 @@ class Pack {
   friend Mask operator<=(Pack a, Pack b) { return {a.values_ <= b.values_}; }
   friend Pack select(Mask mask, Pack yes, Pack no) { return Pack(mask.lanes ? yes.values_ : no.values_); }
   friend Pack sqrt(Pack a) {
-#if defined(__SSE2__)
-    return Pack(Values(_mm_sqrt_pd(__m128d(a.values_))));
-#else
-    return Pack(Values{std::sqrt(a.values_[0]), std::sqrt(a.values_[1])});
+#if defined(__AVX2__)
+    if constexpr (kWidth == 4) return Pack(Values(_mm256_sqrt_pd(__m256d(a.values_))));
 #endif
+#if defined(__SSE2__)
+    if constexpr (kWidth == 2) return Pack(Values(_mm_sqrt_pd(__m128d(a.values_))));
+#endif
+    Values roots;
+    for (int lane = 0; lane < kWidth; ++lane) roots[lane] = std::sqrt(a.values_[lane]);
+    return Pack(roots);
   }
 
  private:

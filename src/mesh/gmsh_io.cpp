@@ -5,7 +5,9 @@
 #include <array>
 #include <cstdlib>
 #include <exception>
+#include <map>
 #include <stdexcept>
+#include <string>
 #include <tuple>
 #include <unordered_map>
 
@@ -178,12 +180,25 @@ void forEachElement(const Nodes& nodes, int dimension, int entity, Visit visit) 
   }
 }
 
-/// The smallest number of the physical groups that the volume belongs to, 0 for none.
-int findRegion(int volume) {
+/// The numbers of the physical groups that the volume belongs to, ascending.
+std::vector<int> findGroups(int volume) {
   std::vector<int> groups;
   gmsh::model::getPhysicalGroupsForEntity(3, volume, groups);
   for (int& group : groups) group = std::abs(group);
-  return groups.empty() ? 0 : *std::min_element(groups.begin(), groups.end());
+  std::sort(groups.begin(), groups.end());
+  return groups;
+}
+
+std::map<std::string, int> findRegionNames() {
+  std::map<std::string, int> names;
+  gmsh::vectorpair groups;
+  gmsh::model::getPhysicalGroups(groups, 3);
+  for (const auto& [dimension, group] : groups) {
+    std::string name;
+    gmsh::model::getPhysicalName(dimension, group, name);
+    if (!name.empty()) names.emplace(name, std::abs(group));
+  }
+  return names;
 }
 
 VolumeData collectVolume(const Nodes& nodes) {
@@ -196,11 +211,14 @@ VolumeData collectVolume(const Nodes& nodes) {
   VolumeData volume;
   volume.points = nodes.points();
   volume.node_numbers = nodes.numbers();
+  volume.region_names = findRegionNames();
   std::vector<Item> items;
   gmsh::vectorpair entities;
   gmsh::model::getEntities(entities, 3);
   for (const auto& [dimension, entity] : entities) {
-    const int region = findRegion(entity);
+    const std::vector<int> groups = findGroups(entity);
+    const int region = groups.empty() ? 0 : groups.front();
+    if (groups.size() > 1) volume.volumes_of_several_groups.push_back(entity);
     forEachElement(nodes, dimension, entity,
                    [&](const ElementType& type, std::size_t number, const std::vector<int>& corners) {
                      const Shape shape = findShape(type);

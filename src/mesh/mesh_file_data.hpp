@@ -5,6 +5,8 @@
 
 #include <array>
 #include <cstddef>
+#include <map>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -21,8 +23,10 @@ struct VolumeData {
       cells;                              ///< ascending cell numbers; loops outward unless a cell is inverted
   std::vector<std::size_t> cell_numbers;  ///< the file's number of each cell
   std::vector<int> regions;               ///< one a cell
-  std::vector<std::size_t> prisms;        ///< indices of the cells that are prisms
-  bool has_higher_order = false;          ///< cells had nodes besides their corners, which were left out
+  std::map<std::string, int> region_names;     ///< of regions that have a name
+  std::vector<int> volumes_of_several_groups;  ///< their cells took the smallest group for their region
+  std::vector<std::size_t> prisms;             ///< indices of the cells that are prisms
+  bool has_higher_order = false;               ///< cells had nodes besides their corners, which were left out
 };
 
 /// Triangles as a file has them.

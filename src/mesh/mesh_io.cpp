@@ -193,7 +193,8 @@ MeshFile makeMeshFile(const MeshFileConfig& config) {
   requirePositive("scale", config.scale);
   requireInRange("cell_size_m", config.cell_size_m, 0, kInfinity);
   MeshFile file;
-  const VolumeData data = readVolume(config, file.remarks);
+  VolumeData data = readVolume(config, file.remarks);
+  file.region_names = std::move(data.region_names);
   const std::vector<char> is_used = findUsedPoints(data);
   const auto num_used = std::count(is_used.begin(), is_used.end(), 1);
   requireNoDuplicates(data, is_used);
@@ -208,6 +209,11 @@ MeshFile makeMeshFile(const MeshFileConfig& config) {
   if (file.mesh.numVertices() > num_used) {
     file.remarks.push_back(makeText(file.mesh.numVertices() - num_used,
                                     " vertices were copied where cells touch in an edge or a vertex alone"));
+  }
+  if (!data.volumes_of_several_groups.empty()) {
+    file.remarks.push_back(makeText("volume ", data.volumes_of_several_groups.front(),
+                                    " is in several physical groups: its cells are in the region of the "
+                                    "smallest number alone"));
   }
   const int num_bodies = findPieces(file.mesh).count;
   if (num_bodies > 1) file.remarks.push_back(makeText(num_bodies, " unconnected bodies"));

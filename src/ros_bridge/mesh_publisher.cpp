@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "polyscalpel/ros_bridge/conversions.hpp"
+#include "polyscalpel/ros_bridge/field_colours.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -19,6 +20,9 @@ constexpr std::size_t kMostArrows = 200;
 /// get them all.
 constexpr std::uint32_t kRealtimeQueue = 5;
 constexpr std::uint32_t kLockstepQueue = 500;
+/// Of the label that tells what the colours show, above the body's top, in body sizes: clear of the pieces'
+/// own.
+constexpr double kColourLabelHeight = 0.25;
 const Rgba kWireColour(0.15, 0.05, 0.05, 0.6);
 const Rgba kBladeColour(1.0, 0.95, 0.6, 1);
 const Rgba kArrowColour(1.0, 0.82, 0.15, 1);
@@ -52,17 +56,46 @@ MeshPublisher::MeshPublisher(ros::NodeHandle& node_handle, const SceneParameters
   }
 }
 
+Marker MeshPublisher::makeLabel(const std::string& name, int id, const std::string& text) const {
+  Marker label = named(Marker(), name, id);
+  label.type = Marker::TEXT_VIEW_FACING;
+  label.pose.orientation.w = 1;
+  label.scale.z = 0.05 * body_size_m_;
+  label.color = toColourMsg(kLabelColour);
+  label.text = text;
+  return label;
+}
+
+void MeshPublisher::addSurface(visualization_msgs::MarkerArray& array) const {
+  const PolyhedralMesh& mesh = simulation_.mesh();
+  const Eigen::Matrix3Xd& positions = simulation_.positions();
+  const NodeConfig& node = parameters_.node;
+  const StressField* field = node.colour_by == ColourBy::kNone ? nullptr : simulation_.stressField();
+  Eigen::VectorXd values;
+  Eigen::Vector2d range_pa = Eigen::Vector2d::Zero();
+  if (field != nullptr) {
+    values = vertexValues(mesh, *field, node.colour_by);
+    range_pa = colourRange(values, node.colour_range_pa);
+    Marker label = makeLabel("colours", 0, describeColours(node.colour_by, range_pa));
+    label.pose.position = toPointMsg((positions.rowwise().minCoeff() + positions.rowwise().maxCoeff()) / 2);
+    label.pose.position.z = positions.row(2).maxCoeff() + kColourLabelHeight * body_size_m_;
+    array.markers.push_back(std::move(label));
+  }
+  const auto add = [&](bool cut_faces, const Rgba& rgba, const std::string& name) {
+    const SurfaceTriangles triangles = makeSurfaceTriangles(mesh, positions, cut_faces);
+    Marker marker = named(makeTriangleMarker(triangles, rgba), name, 0);
+    if (field != nullptr) colourByValues(marker, mesh, triangles, values, range_pa);
+    array.markers.push_back(std::move(marker));
+  };
+  add(false, node.surface_colour_rgba, "surface");
+  if (simulation_.numCuts() > 0) add(true, node.cut_colour_rgba, "cut_faces");
+}
+
 void MeshPublisher::addTissue(visualization_msgs::MarkerArray& array) const {
   const PolyhedralMesh& mesh = simulation_.mesh();
   const Eigen::Matrix3Xd& positions = simulation_.positions();
   const NodeConfig& node = parameters_.node;
-  array.markers.push_back(
-      named(makeTriangleMarker(makeSurfaceTriangles(mesh, positions, false), node.surface_colour_rgba),
-            "surface", 0));
-  if (simulation_.numCuts() > 0)
-    array.markers.push_back(
-        named(makeTriangleMarker(makeSurfaceTriangles(mesh, positions, true), node.cut_colour_rgba),
-              "cut_faces", 0));
+  addSurface(array);
   if (node.wireframe) {
     Marker wireframe = named(makeWireframeMarker(mesh, positions), "wireframe", 0);
     wireframe.scale.x = 0.002 * body_size_m_;
@@ -72,15 +105,10 @@ void MeshPublisher::addTissue(visualization_msgs::MarkerArray& array) const {
   if (!node.piece_labels || simulation_.pieces().count < 2) return;
   const std::vector<PieceSummary> pieces = summarisePieces(mesh, simulation_.pieces(), positions);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
-    Marker label = named(Marker(), "pieces", static_cast<int>(i));
-    label.type = Marker::TEXT_VIEW_FACING;
-    label.pose.orientation.w = 1;
-    label.pose.position = toPointMsg(pieces[i].label_point + 0.06 * body_size_m_ * Eigen::Vector3d::UnitZ());
-    label.scale.z = 0.05 * body_size_m_;
-    label.color = toColourMsg(kLabelColour);
     char text[64];
     std::snprintf(text, sizeof(text), "piece %zu: %.1f ml", i + 1, pieces[i].volume_m3 * 1e6);
-    label.text = text;
+    Marker label = makeLabel("pieces", static_cast<int>(i), text);
+    label.pose.position = toPointMsg(pieces[i].label_point + 0.06 * body_size_m_ * Eigen::Vector3d::UnitZ());
     array.markers.push_back(std::move(label));
   }
 }

@@ -9,84 +9,13 @@
 #include <ros/console.h>
 #include <ros/names.h>
 
+#include "body_parameters.hpp"
 #include "polyscalpel/ros_bridge/resource_path.hpp"
 
 namespace polyscalpel {
 namespace {
 
-constexpr double kLargeCount = 2147483647;
 const Range kRatio{0, 1};
-const Range kNothingNegativeInt{0, kLargeCount};
-
-/// Path of a mesh file named in the scene, as an existing file.
-std::string findMesh(YamlMap& map, const std::string& key, const std::vector<std::string>& folders) {
-  map.require(key);
-  std::string path;
-  map.text(key, path, "the path of a mesh file");
-  try {
-    return findResource(path, folders);
-  } catch (const std::invalid_argument& exception) {
-    map.refuse(key, std::string("must be an existing file: ") + exception.what());
-  }
-}
-
-MeshConfig readMesh(YamlMap mesh, const std::vector<std::string>& folders) {
-  const std::string kind = mesh.oneOf({"box", "ball", "file"});
-  mesh.finish();
-  YamlMap map = mesh.map(kind);
-  if (kind == "box") {
-    BoxMeshConfig config;
-    map.numbers("lowest_m", config.lowest_m, kAnyNumber);
-    map.numbers("size_m", config.size_m, kPositive);
-    map.integers("counts", config.counts, {1, 200});
-    map.boolean("tetrahedra", config.tetrahedra);
-    map.finish();
-    return config;
-  }
-  if (kind == "ball") {
-    BallMeshConfig config;
-    map.numbers("centre_m", config.centre_m, kAnyNumber);
-    map.number("radius_m", config.radius_m, kPositive);
-    map.integer("half_count", config.half_count, {1, 40});
-    map.finish();
-    return config;
-  }
-  MeshFileConfig config;
-  config.path = findMesh(map, "path", folders);
-  map.number("scale", config.scale, kPositive);
-  map.number("cell_size_m", config.cell_size_m, kNotNegative);
-  map.finish();
-  return config;
-}
-
-FixedRegion readFixed(YamlMap fixed) {
-  const std::string kind = fixed.oneOf({"box", "sphere", "vertices"});
-  if (kind == "vertices") {
-    FixedVertices region;
-    fixed.integerList("vertices", region.vertices, kNothingNegativeInt);
-    fixed.finish();
-    return region;
-  }
-  fixed.finish();
-  YamlMap map = fixed.map(kind);
-  if (kind == "sphere") {
-    FixedSphere region;
-    map.require("radius_m");
-    map.numbers("centre_m", region.centre_m, kAnyNumber);
-    map.number("radius_m", region.radius_m, kPositive);
-    map.finish();
-    return region;
-  }
-  FixedBox region;
-  map.require("lowest_m");
-  map.require("highest_m");
-  map.numbers("lowest_m", region.lowest_m, kAnyNumber);
-  map.numbers("highest_m", region.highest_m, kAnyNumber);
-  if (!(region.lowest_m.array() <= region.highest_m.array()).all())
-    map.refuse("highest_m", "no component may be below that of lowest_m");
-  map.finish();
-  return region;
-}
 
 /// key: of the kind, in a map that may hold other keys as well.
 ShapeConfig readShape(YamlMap& shape, const std::vector<std::string>& folders) {
@@ -95,7 +24,7 @@ ShapeConfig readShape(YamlMap& shape, const std::vector<std::string>& folders) {
   ShapeConfig config;
   if (name == "mesh") {
     config.kind = ShapeKind::kMesh;
-    config.path = findMesh(map, "path", folders);
+    config.path = findMeshFile(map, "path", folders);
     map.number("scale", config.scale, kPositive);
   } else if (name == "box") {
     config.kind = ShapeKind::kBox;
@@ -173,32 +102,18 @@ void readTool(YamlMap tool, const std::vector<std::string>& folders, ToolConfig&
 }
 
 void readIntegration(YamlMap map, IntegrationConfig& config) {
-  std::string mode = "dynamic";
-  map.choice("mode", mode, {"dynamic", "static"});
-  config.mode = mode == "static" ? AnalysisMode::kStatic : AnalysisMode::kDynamic;
+  readWord(map, "mode", config.mode,
+           {{"dynamic", AnalysisMode::kDynamic},
+            {"quasi_static", AnalysisMode::kQuasiStatic},
+            {"static", AnalysisMode::kStatic}});
   map.number("time_step_s", config.time_step_s, {1e-6, 1});
   map.number("mass_damping_per_s", config.mass_damping_per_s, kNotNegative);
   map.number("stiffness_damping_s", config.stiffness_damping_s, kNotNegative);
   map.numbers("gravity_m_s2", config.gravity_m_s2, kAnyNumber);
   map.integer("contact_iterations", config.contact_iterations, {1, 20});
+  map.number("equilibrium_tolerance", config.equilibrium_tolerance, {1e-12, 0.1});
+  map.integer("equilibrium_iterations", config.equilibrium_iterations, {1, 1000});
   map.number("mass_floor", config.mass_floor, kRatio);
-  map.finish();
-}
-
-void readElement(YamlMap map, ElementConfig& config) {
-  std::string points = std::to_string(config.quadrature_points);
-  map.choice("quadrature_points", points, {"1", "4", "11"});
-  config.quadrature_points = std::stoi(points);
-  map.number("stabilisation_scale", config.stabilisation_scale, kPositive);
-  map.boolean("consistent_mass", config.consistent_mass);
-  map.boolean("corotated", config.corotated);
-  map.finish();
-}
-
-void readMaterial(YamlMap map, IsotropicMaterial& material) {
-  map.number("youngs_modulus_pa", material.youngs_modulus_pa, kPositive);
-  map.number("poisson_ratio", material.poisson_ratio, {-1, 0.5, true, true});
-  map.number("density_kg_m3", material.density_kg_m3, kPositive);
   map.finish();
 }
 
@@ -223,10 +138,30 @@ ContactConfig readContact(YamlMap map) {
   return config;
 }
 
-void readNode(YamlMap map, NodeConfig& config) {
-  std::string clock = "realtime";
-  map.choice("clock", clock, {"realtime", "lockstep"});
-  config.clock = clock == "lockstep" ? ClockMode::kLockstep : ClockMode::kRealtime;
+StressConfig readStress(YamlMap map) {
+  StressConfig config;
+  map.integer("interval_steps", config.interval_steps, {1, 1e6});
+  map.finish();
+  return config;
+}
+
+void readColouring(YamlMap& map, bool has_stress, NodeConfig& config) {
+  readWord(map, "colour_by", config.colour_by,
+           {{"none", ColourBy::kNone},
+            {"von_mises", ColourBy::kVonMises},
+            {"max_principal", ColourBy::kMaxPrincipal},
+            {"error", ColourBy::kError}});
+  if (config.colour_by != ColourBy::kNone && !has_stress)
+    map.refuse("colour_by", "needs the scene's stress, which is not there");
+  map.numbers("colour_range_pa", config.colour_range_pa, kAnyNumber);
+  const bool is_automatic = config.colour_range_pa.isZero(0);
+  if (!is_automatic && !(config.colour_range_pa(0) < config.colour_range_pa(1)))
+    map.refuse("colour_range_pa", "must be [low, high] with low < high, or [0, 0]");
+}
+
+void readNode(YamlMap map, bool has_stress, NodeConfig& config) {
+  readWord(map, "clock", config.clock,
+           {{"realtime", ClockMode::kRealtime}, {"lockstep", ClockMode::kLockstep}});
   map.text("world_frame", config.world_frame, "a tf frame");
   map.text("tissue_frame", config.tissue_frame, "a tf frame");
   for (const auto& [key, frame] : {std::pair<std::string, std::string>("world_frame", config.world_frame),
@@ -244,6 +179,7 @@ void readNode(YamlMap map, NodeConfig& config) {
   map.number("contact_arrow_m_per_n", config.contact_arrow_m_per_n, {0, 1000, true, false});
   readColour(map, "surface_colour_rgba", config.surface_colour_rgba);
   readColour(map, "cut_colour_rgba", config.cut_colour_rgba);
+  readColouring(map, has_stress, config);
   map.finish();
 }
 
@@ -273,10 +209,11 @@ Eigen::Quaterniond readOrientation(YamlMap& map, const std::string& key) {
 SceneParameters readScene(YamlMap& scene, const std::vector<std::string>& mesh_folders) {
   SceneParameters parameters;
   SimulationConfig& simulation = parameters.simulation;
-  simulation.mesh = readMesh(scene.map("mesh"), mesh_folders);
+  simulation.mesh = readMeshConfig(scene.map("mesh"), mesh_folders);
   if (scene.has("material")) readMaterial(scene.map("material"), simulation.material);
   if (scene.has("element")) readElement(scene.map("element"), simulation.element);
-  for (YamlMap& fixed : scene.maps("fixed")) simulation.fixed.push_back(readFixed(fixed));
+  simulation.regions = readRegions(scene, simulation);
+  for (YamlMap& fixed : scene.maps("fixed")) simulation.fixed.push_back(readFixedRegion(fixed));
   if (scene.has("integration")) readIntegration(scene.map("integration"), simulation.integration);
   if (scene.has("cutting")) simulation.cutting = readCutting(scene.map("cutting"));
   if (scene.has("contact")) simulation.contact = readContact(scene.map("contact"));
@@ -285,7 +222,8 @@ SceneParameters readScene(YamlMap& scene, const std::vector<std::string>& mesh_f
     parameters.tools.emplace_back();
     readTool(tool, mesh_folders, simulation.tools.back(), parameters.tools.back());
   }
-  if (scene.has("node")) readNode(scene.map("node"), parameters.node);
+  if (scene.has("stress")) simulation.stress = readStress(scene.map("stress"));
+  if (scene.has("node")) readNode(scene.map("node"), simulation.stress.has_value(), parameters.node);
   scene.finish();
   requireDistinctFrames(scene, parameters);
   try {

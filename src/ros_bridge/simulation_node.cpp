@@ -403,6 +403,7 @@ void SimulationNode::publishStatus() {
   status_.steps_per_second = rate_meter_.rate_hz(steadyNow_s());
   status_.solver = kSolverName;
   fillStep(status_, report_);
+  fillStress(status_, simulation_.stressField());
   body_counter_.fill(status_, simulation_);
   for (std::size_t i = 0; i < trackers_.size(); ++i) fillTool(status_.tools[i], trackers_[i].counters());
   status_publisher_.publish(status_);

@@ -2,6 +2,7 @@
 #include "polyscalpel/ros_bridge/status.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "polyscalpel/mesh/surface.hpp"
 #include "polyscalpel/ros_bridge/yaml_reader.hpp"
@@ -129,12 +130,20 @@ void fillStep(StepStatus& status, const StepReport& report) {
   status.solve_s = report.times.solve_s;
   status.cutting_s = report.times.cutting_s;
   status.update_s = report.times.update_s;
+  status.stress_s = report.times.stress_s;
   status.total_s = report.times.total_s;
   status.converged = report.converged;
   status.message = report.message;
   status.relative_residual = report.relative_residual;
   status.solves = report.solves;
+  status.newton_iterations = report.iterations;
   status.contacts = static_cast<int>(report.contacts.size());
+}
+
+void fillStress(StepStatus& status, const StressField* field) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  status.error_estimate = field == nullptr ? kNone : field->relative_error;
+  status.von_mises_max_pa = field == nullptr ? kNone : vonMises(field->vertex_stresses).maxCoeff();
 }
 
 void fillTool(ToolStatus& status, const PoseCounters& counters) {

@@ -21,7 +21,7 @@ const double kCreaseCosine = std::cos(50 * M_PI / 180);
 constexpr double kSmallestHeight = 1e-7;
 
 struct Triangle {
-  FaceId face;
+  TriangleOrigin origin;  // its face is invalid for a loose triangle
   Eigen::Matrix3d corners;
   Eigen::Vector3d area_normal;  // length: twice the area
   std::array<int, 3> points;    // numbers of points shared with other triangles; -1: shared with none
@@ -51,7 +51,7 @@ std::vector<Triangle> boundaryTriangles(const PolyhedralMesh& mesh,
     const std::size_t size = face.loop.size();
     for (int j = 0; j < numTriangles(face); ++j) {
       Triangle triangle;
-      triangle.face = id;
+      triangle.origin = {id, j};
       triangle.corners = triangleCorners(face, j, positions);
       triangle.area_normal = areaNormal(triangle.corners);
       const auto k = static_cast<std::size_t>(j);
@@ -100,6 +100,7 @@ SurfaceTriangles smooth(std::vector<Triangle> triangles, int num_points) {
     }
     result.corners.push_back(triangle.corners);
     result.normals.push_back(normals);
+    if (triangle.origin.face.isValid()) result.origins.push_back(triangle.origin);
   }
   return result;
 }
@@ -192,7 +193,7 @@ std::vector<PieceSummary> summarisePieces(const PolyhedralMesh& mesh, const Piec
   std::vector<Sums> sums(static_cast<std::size_t>(pieces.count));
   std::vector<PieceSummary> summaries(static_cast<std::size_t>(pieces.count));
   for (const Triangle& triangle : boundaryTriangles(mesh, positions, [](const Face&) { return true; })) {
-    const int cell = mesh.face(triangle.face).cells[0].index();
+    const int cell = mesh.face(triangle.origin.face).cells[0].index();
     const auto piece = static_cast<std::size_t>(pieces.piece_of_cell[static_cast<std::size_t>(cell)]);
     const Eigen::Matrix3d& p = triangle.corners;
     summaries[piece].volume_m3 += p.col(0).dot(triangle.area_normal) / 6;  // divergence theorem

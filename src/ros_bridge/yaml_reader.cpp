@@ -13,6 +13,8 @@
 namespace polyscalpel {
 namespace {
 
+constexpr const char* kNoDefault = "none";
+
 std::string where(const YamlDocument& document, const YAML::Node& node) {
   const YAML::Mark mark = node.Mark();
   return mark.is_null() ? document.file : document.file + ":" + std::to_string(mark.line + 1);
@@ -182,6 +184,12 @@ void YamlMap::integer(const std::string& key, int& value, const Range& range) {
   if (node.IsDefined()) value = static_cast<int>(toNumber(key, node, range, true));
 }
 
+void YamlMap::optionalInteger(const std::string& key, std::optional<int>& value, const Range& range) {
+  record(key, kNoDefault, range.text());
+  const YAML::Node node = find(key);
+  if (node.IsDefined()) value = static_cast<int>(toNumber(key, node, range, true));
+}
+
 void YamlMap::boolean(const std::string& key, bool& value) {
   record(key, value ? "true" : "false", "{false, true}");
   const YAML::Node node = find(key);
@@ -201,9 +209,21 @@ void YamlMap::text(const std::string& key, std::string& value, const std::string
 }
 
 void YamlMap::choice(const std::string& key, std::string& value, const std::vector<std::string>& words) {
+  std::optional<std::string> word;
+  choose(key, value, word, words);
+  if (word) value = *word;
+}
+
+void YamlMap::optionalChoice(const std::string& key, std::optional<std::string>& value,
+                             const std::vector<std::string>& words) {
+  choose(key, kNoDefault, value, words);
+}
+
+void YamlMap::choose(const std::string& key, const std::string& default_value,
+                     std::optional<std::string>& value, const std::vector<std::string>& words) {
   std::string list;
   for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
-  record(key, value, "{" + list + "}");
+  record(key, default_value, "{" + list + "}");
   const YAML::Node node = find(key);
   if (!node.IsDefined()) return;
   if (!node.IsScalar() || std::find(words.begin(), words.end(), node.Scalar()) == words.end()) {

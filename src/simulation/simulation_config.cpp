@@ -2,6 +2,7 @@
 #include "polyscalpel/simulation/simulation_config.hpp"
 
 #include <cctype>
+#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -50,20 +51,22 @@ struct MeshValidator {
   }
 };
 
+void validateBox(const std::string& path, const Eigen::Vector3d& lowest_m, const Eigen::Vector3d& highest_m) {
+  requireFinite(path + ".lowest_m", lowest_m);
+  for (int i = 0; i < 3; ++i)
+    requireInRange(path + ".highest_m[" + std::to_string(i) + "]", highest_m[i], lowest_m[i], kInfinity);
+}
+
+void validateSphere(const std::string& path, const Eigen::Vector3d& centre_m, double radius_m) {
+  requireFinite(path + ".centre_m", centre_m);
+  requirePositive(path + ".radius_m", radius_m);
+}
+
 struct FixedRegionValidator {
   std::string path;
 
-  void operator()(const FixedBox& box) const {
-    requireFinite(path + ".lowest_m", box.lowest_m);
-    for (int i = 0; i < 3; ++i) {
-      requireInRange(path + ".highest_m[" + std::to_string(i) + "]", box.highest_m[i], box.lowest_m[i],
-                     kInfinity);
-    }
-  }
-  void operator()(const FixedSphere& sphere) const {
-    requireFinite(path + ".centre_m", sphere.centre_m);
-    requirePositive(path + ".radius_m", sphere.radius_m);
-  }
+  void operator()(const FixedBox& box) const { validateBox(path, box.lowest_m, box.highest_m); }
+  void operator()(const FixedSphere& sphere) const { validateSphere(path, sphere.centre_m, sphere.radius_m); }
   void operator()(const FixedVertices& list) const {
     if (list.vertices.empty()) throw std::invalid_argument(path + ".vertices: must not be empty");
     for (const int vertex : list.vertices) {
@@ -74,12 +77,46 @@ struct FixedRegionValidator {
   }
 };
 
+struct RegionCellsValidator {
+  std::string path;
+  bool has_mesh_file = false;
+
+  void operator()(const RegionBox& box) const { validateBox(path, box.lowest_m, box.highest_m); }
+  void operator()(const RegionSphere& sphere) const {
+    validateSphere(path, sphere.centre_m, sphere.radius_m);
+  }
+  void operator()(const RegionGroup& group) const {
+    if (!has_mesh_file) throw std::invalid_argument(path + ".group: only a mesh file has physical groups");
+    if (group.name.empty()) {
+      requireIntInRange(path + ".group.number", group.group, 1, std::numeric_limits<int>::max());
+    } else if (group.group != 0) {
+      throw std::invalid_argument(path + ".group.number = " + std::to_string(group.group) +
+                                  ": must not be given beside the name '" + group.name + "'");
+    }
+  }
+};
+
+void validateRegion(const std::string& path, const RegionConfig& region, const SimulationConfig& config) {
+  if (region.name.empty()) throw std::invalid_argument(path + ".name: must not be empty");
+  std::visit(RegionCellsValidator{path, std::holds_alternative<MeshFileConfig>(config.mesh)}, region.cells);
+  validateAt(path + ".material", region.material);
+  ElementConfig element = config.element;
+  element.formulation = region.formulation.value_or(element.formulation);
+  if (!region.quadrature_points) return;
+  if (element.formulation == Formulation::kVirtual)
+    throw std::invalid_argument(path + ".quadrature_points: a virtual element has none");
+  element.quadrature_points = *region.quadrature_points;
+  validateAt(path, element);
+}
+
 void validateIntegration(const IntegrationConfig& config) {
   requireInRange("integration.time_step_s", config.time_step_s, 1e-6, 1);
   requireInRange("integration.mass_damping_per_s", config.mass_damping_per_s, 0, kInfinity);
   requireInRange("integration.stiffness_damping_s", config.stiffness_damping_s, 0, kInfinity);
   requireFinite("integration.gravity_m_s2", config.gravity_m_s2);
   requireIntInRange("integration.contact_iterations", config.contact_iterations, 1, 20);
+  requireInRange("integration.equilibrium_tolerance", config.equilibrium_tolerance, 1e-12, 0.1);
+  requireIntInRange("integration.equilibrium_iterations", config.equilibrium_iterations, 1, 1000);
   requireInRange("integration.mass_floor", config.mass_floor, 0, 1);
 }
 
@@ -110,31 +147,48 @@ void validateTool(const std::string& path, const ToolConfig& tool, const Simulat
     throw std::invalid_argument(name + ": a blade needs the scene's cutting, which is not there");
 }
 
+// Without inertia nothing but what is fixed keeps a body in its place, and where time does not act nothing
+// moves.
+void validateMode(const SimulationConfig& config) {
+  if (config.integration.mode == AnalysisMode::kDynamic) return;
+  if (config.fixed.empty())
+    throw std::invalid_argument("fixed: a static or quasi-static scene must hold something");
+  if (config.integration.mode == AnalysisMode::kQuasiStatic) return;
+  if (config.contact) throw std::invalid_argument("contact: a static scene has none");
+  if (!config.tools.empty()) throw std::invalid_argument("tools: a static scene has none");
+}
+
+// No two items of a list may have one name. kind: what an item is.
+template <class Item>
+void requireDistinctNames(const std::string& list, const std::string& kind, const std::vector<Item>& items) {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (names.insert(items[i].name).second) continue;
+    throw std::invalid_argument(list + "[" + std::to_string(i) + "].name = '" + items[i].name +
+                                "': another " + kind + " has this name");
+  }
+}
+
 }  // namespace
 
 void validate(const SimulationConfig& config) {
   std::visit(MeshValidator{}, config.mesh);
   validateAt("material", config.material);
   validateAt("element", config.element);
+  for (std::size_t i = 0; i < config.regions.size(); ++i)
+    validateRegion("regions[" + std::to_string(i) + "]", config.regions[i], config);
+  requireDistinctNames("regions", "region", config.regions);
   for (std::size_t i = 0; i < config.fixed.size(); ++i) {
     std::visit(FixedRegionValidator{"fixed[" + std::to_string(i) + "]"}, config.fixed[i]);
   }
   validateIntegration(config.integration);
   if (config.cutting) validateAt("cutting", *config.cutting);
   if (config.contact) validateAt("contact", *config.contact);
-  std::set<std::string> names;
-  for (std::size_t i = 0; i < config.tools.size(); ++i) {
-    const std::string path = "tools[" + std::to_string(i) + "]";
-    validateTool(path, config.tools[i], config);
-    if (!names.insert(config.tools[i].name).second) {
-      throw std::invalid_argument(path + ".name = '" + config.tools[i].name +
-                                  "': another tool has this name");
-    }
-  }
-  if (config.integration.mode != AnalysisMode::kStatic) return;
-  if (config.contact) throw std::invalid_argument("contact: a static scene has none");
-  if (!config.tools.empty()) throw std::invalid_argument("tools: a static scene has none");
-  if (config.fixed.empty()) throw std::invalid_argument("fixed: a static scene must hold something");
+  for (std::size_t i = 0; i < config.tools.size(); ++i)
+    validateTool("tools[" + std::to_string(i) + "]", config.tools[i], config);
+  requireDistinctNames("tools", "tool", config.tools);
+  if (config.stress) requireIntInRange("stress.interval_steps", config.stress->interval_steps, 1, 1000000);
+  validateMode(config);
 }
 
 }  // namespace polyscalpel

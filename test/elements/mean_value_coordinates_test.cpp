@@ -179,6 +179,19 @@ TEST_P(MeanValueCoordinatesTest, APointDoesNotDependOnTheOthers) {
   }
 }
 
+/// Where the machine has wider registers than every machine has; else the same twice.
+TEST_P(MeanValueCoordinatesTest, DoNotDependOnTheWidthOfTheMachine) {
+  MeanValueCoordinates<double> widest, portable(true);
+  widest.setSurface(surface_);
+  portable.setSurface(surface_);
+  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(sites_.size()));
+  for (std::size_t i = 0; i < sites_.size(); ++i) points.col(static_cast<Eigen::Index>(i)) = sites_[i].point;
+  widest.evaluate(points);
+  portable.evaluate(points);
+  EXPECT_EQ(widest.values(), portable.values());
+  EXPECT_EQ(widest.gradients(), portable.gradients());
+}
+
 TEST_P(MeanValueCoordinatesTest, AreInvariantUnderScalingAndRotation) {
   SCOPED_TRACE(cell_.name);
   const Eigen::Matrix3d R =

@@ -5,6 +5,7 @@ seen, and what may lie at the top. Debian keeps the ROS headers in /usr/include,
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -85,11 +86,13 @@ def include_faults(root):
 
 
 def top_faults(root):
-    listing = subprocess.run(["git", "-c", "safe.directory=*", "-C", root, "ls-files"], capture_output=True, text=True,
-                             check=False)
-    if listing.returncode == 0 and listing.stdout:
-        entries = {line.split("/")[0] for line in listing.stdout.splitlines()}
-    else:  # an unpacked archive
+    listing = ""
+    if shutil.which("git"):
+        listing = subprocess.run(["git", "-c", "safe.directory=*", "-C", root, "ls-files"], capture_output=True,
+                                 text=True, check=False).stdout
+    if listing:
+        entries = {line.split("/")[0] for line in listing.splitlines()}
+    else:  # an unpacked archive, or a machine without git
         entries = {entry for entry in os.listdir(root) if entry != ".git" and not entry.startswith("build")}
     faults = [f"{entry}: does not belong at the top" for entry in sorted(entries - TOP)]
     return faults + [f"{entry}: is missing at the top" for entry in sorted(TOP - entries)]

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -202,6 +203,33 @@ TEST_F(MeshIo, ReadsVersion2BinaryAndVersion4) {
     EXPECT_EQ(checkMesh(file.mesh), std::vector<std::string>());
   }
   EXPECT_EQ(read("four.msh", makeMsh4()).mesh.cell(CellId(1)).region, 8);
+}
+
+/// Physical groups of a file of version 2.2, after its format.
+std::string withNames(std::string msh2, const std::string& names) {
+  const std::string end = "$EndMeshFormat\n";
+  return msh2.insert(msh2.find(end) + end.size(), "$PhysicalNames\n" + names + "$EndPhysicalNames\n");
+}
+
+TEST_F(MeshIo, ReadsTheNamesOfPhysicalGroups) {
+  using Names = std::map<std::string, int>;
+  EXPECT_EQ(read("four.msh", makeMsh4()).region_names, (Names{{"liver", 6}, {"vein", 8}}));
+  // Names of volume groups alone: group 1 of the cells has none, the name of group 1 is that of a surface.
+  const std::string nameless = makeMixedMsh();
+  EXPECT_EQ(read("two.msh", nameless).region_names, Names());
+  const MeshFile named = read("two.msh", withNames(nameless, "2\n2 1 \"skin\"\n3 2 \"inner part\"\n"));
+  EXPECT_EQ(named.region_names, (Names{{"inner part", 2}}));
+  EXPECT_EQ(named.mesh.cell(CellId(3)).region, 2);
+  EXPECT_TRUE(named.remarks.empty()) << joined(named.remarks);
+}
+
+TEST_F(MeshIo, TellsOfVolumesInSeveralPhysicalGroups) {
+  std::string text = makeMsh4();
+  const std::string one = "2 0 0 0 1 1 1 1 8 0\n";
+  text.replace(text.find(one), one.size(), "2 0 0 0 1 1 1 2 8 6 0\n");
+  const MeshFile file = read("both.msh", text);
+  EXPECT_EQ(file.mesh.cell(CellId(1)).region, 6);
+  EXPECT_TRUE(contains(joined(file.remarks), "volume 2 is in several physical groups"));
 }
 
 std::string makeVtk(const std::string& cells, const std::string& types) {

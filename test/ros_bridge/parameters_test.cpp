@@ -21,6 +21,7 @@ using testing::sourcePath;
 
 const std::string kSmallest = "mesh: {box: {}}\n";
 const std::string kCutting = kSmallest + "cutting: {}\ncontact: {}\n";
+const std::string kFile = "mesh: {file: {path: parameters_test.cpp}}\n";
 
 SceneParameters read(const std::string& text, std::vector<FieldRecord>* fields = nullptr) {
   YamlMap scene = YamlMap::parse(text, "scene.yaml");
@@ -51,14 +52,18 @@ TEST(Parameters, ReferenceSceneTellsEveryFieldWithItsDefaultAndRange) {
   // Every reader once; files that exist stand for meshes, which are not opened here.
   std::vector<FieldRecord> fields;
   read(kCutting +
-           "material: {}\nelement: {}\nintegration: {}\nnode: {}\n"
+           "material: {}\nelement: {}\nintegration: {}\nstress: {}\nnode: {}\n"
+           "regions: [{name: a, box: {lowest_m: [0, 0, 0], highest_m: [0, 0, 0]}, material: {}}]\n"
            "fixed: [{box: {lowest_m: [0, 0, 0], highest_m: [0, 0, 0]}}, {sphere: {radius_m: 1}}, {vertices: "
            "[0]}]\n"
            "tools:\n- shape: {box: {}}\n  blade_edge_m: [[0, 0, 0], [0, 0, 1]]\n  display: [{sphere: {}}]\n"
            "- {name: b, shape: {capsule: {}}}\n- {name: c, shape: {mesh: {path: parameters_test.cpp}}}\n",
        &fields);
   read("mesh: {ball: {}}\n", &fields);
-  read("mesh: {file: {path: parameters_test.cpp}}\n", &fields);
+  read(kFile +
+           "regions: [{name: a, group: {name: b}, material: {}}, {name: b, group: {number: 1}, material: {}},"
+           " {name: c, sphere: {radius_m: 1}, material: {}}]\n",
+       &fields);
 
   Documented known;
   for (const FieldRecord& field : fields) {
@@ -81,7 +86,14 @@ TEST(Parameters, EmptySectionsAreTheDefaultsOfTheStructs) {
   const SimulationConfig defaults;
   EXPECT_EQ(read_parameters.simulation.material.youngs_modulus_pa, defaults.material.youngs_modulus_pa);
   EXPECT_EQ(read_parameters.simulation.element.quadrature_points, defaults.element.quadrature_points);
-  EXPECT_EQ(read_parameters.simulation.element.corotated, defaults.element.corotated);
+  EXPECT_EQ(read_parameters.simulation.element.formulation, defaults.element.formulation);
+  EXPECT_EQ(read_parameters.simulation.element.stabilisation_modulus, defaults.element.stabilisation_modulus);
+  EXPECT_EQ(read_parameters.simulation.element.strain, defaults.element.strain);
+  EXPECT_EQ(read_parameters.simulation.element.exact_force, defaults.element.exact_force);
+  EXPECT_EQ(read_parameters.simulation.integration.equilibrium_tolerance,
+            defaults.integration.equilibrium_tolerance);
+  EXPECT_EQ(read_parameters.simulation.integration.equilibrium_iterations,
+            defaults.integration.equilibrium_iterations);
   EXPECT_EQ(read_parameters.simulation.integration.time_step_s, defaults.integration.time_step_s);
   EXPECT_EQ(read_parameters.simulation.integration.mode, defaults.integration.mode);
   EXPECT_EQ(read_parameters.simulation.integration.gravity_m_s2, defaults.integration.gravity_m_s2);
@@ -91,6 +103,12 @@ TEST(Parameters, EmptySectionsAreTheDefaultsOfTheStructs) {
   EXPECT_EQ(read_parameters.node.tool_timeout_s, NodeConfig().tool_timeout_s);
   EXPECT_FALSE(read(kSmallest).simulation.cutting.has_value());
   EXPECT_FALSE(read(kSmallest).simulation.contact.has_value());
+  EXPECT_FALSE(read(kSmallest).simulation.stress.has_value());
+  EXPECT_TRUE(read(kSmallest).simulation.regions.empty());
+  EXPECT_EQ(read(kSmallest + "stress: {}\n").simulation.stress->interval_steps,
+            StressConfig().interval_steps);
+  EXPECT_EQ(read_parameters.node.colour_by, ColourBy::kNone);
+  EXPECT_EQ(read_parameters.node.colour_range_pa, NodeConfig().colour_range_pa);
 }
 
 TEST(Parameters, EverySceneIsValid) {
@@ -134,12 +152,37 @@ TEST(Parameters, RefusesWhatIsOutOfRange) {
       {"integration: {contact_iterations: $}", "20", "21"},
       {"integration: {contact_iterations: $}", "1", "0"},
       {"integration: {mass_floor: $}", "1", "1.001"},
+      {"integration: {equilibrium_tolerance: $}", "1e-12", "0.99e-12"},
+      {"integration: {equilibrium_tolerance: $}", "0.1", "0.1001"},
+      {"integration: {equilibrium_iterations: $}", "1", "0"},
+      {"integration: {equilibrium_iterations: $}", "1000", "1001"},
+      {"integration: {mode: $}", "dynamic", "quasistatic"},
+      {"stress: {interval_steps: $}", "1", "0"},
+      {"stress: {interval_steps: $}", "1000000", "1000001"},
+      {"stress: {interval_steps: $}", "2", "1.5"},
       {"material: {youngs_modulus_pa: $}", "1e-3", "0"},
       {"material: {poisson_ratio: $}", "0.4999", "0.5"},
       {"material: {poisson_ratio: $}", "-0.9999", "-1"},
       {"material: {density_kg_m3: $}", "1", "-1"},
       {"element: {quadrature_points: $}", "11", "5"},
       {"element: {stabilisation_scale: $}", "0.1", "0"},
+      {"element: {formulation: $}", "virtual", "mean"},
+      {"element: {stabilisation_modulus: $}", "shear", "none"},
+      {"element: {strain: $}", "green", "corotational"},
+      {"element: {exact_force: $}", "false", "0"},
+      {"regions: [{name: $, sphere: {radius_m: 1}, material: {}}]", "a tumour", ""},
+      {"regions: [{name: a, sphere: {radius_m: $}, material: {}}]", "1e-9", "0"},
+      {"regions: [{name: a, box: {lowest_m: [0, 0, 0], highest_m: [0, 0, $]}, material: {}}]", "0", "-1e-9"},
+      {"regions: [{name: a, sphere: {radius_m: 1}, material: {poisson_ratio: $}}]", "0.499", "0.5"},
+      {"regions: [{name: a, sphere: {radius_m: 1}, material: {}, quadrature_points: $}]", "11", "2"},
+      {"regions: [{name: a, sphere: {radius_m: 1}, material: {}, formulation: $}]", "virtual", "none"},
+      {"regions: [{name: a, sphere: {radius_m: 1}, material: {}, order: $}]", "2147483647", "2147483648"},
+      {"regions: [{name: a, sphere: {radius_m: 1}, material: {}, order: $}]", "-2147483647", "-2147483648"},
+      {"regions: [{name: a, sphere: {radius_m: 1}, material: {}, order: $}]", "0", "0.5"},
+      {"stress: {}\nnode: {colour_by: $}", "max_principal", "principal"},
+      {"stress: {}\nnode: {colour_range_pa: [-1, $]}", "1", "-1"},
+      {"stress: {}\nnode: {colour_range_pa: [0, $]}", "0", "-1e-9"},
+      {"stress: {}\nnode: {colour_range_pa: [1, $]}", "1.0001", "1"},
       {"cutting: {snap_tolerance: $}", "0.2", "0.21"},
       {"cutting: {snap_tolerance: $}", "1e-6", "0"},
       {"cutting: {hold_back: $}", "2", "2.01"},
@@ -164,7 +207,7 @@ TEST(Parameters, RefusesWhatIsOutOfRange) {
     };
     EXPECT_NO_THROW(read(with(bound.inside)));
     expectRefused([&] { read(with(bound.outside)); }, {"scene.yaml"});
-    if (bound.text.find("name") == std::string::npos)
+    if (bound.text.find("name: $") == std::string::npos && bound.text.find("frame: $") == std::string::npos)
       expectRefused([&] { read(with(".nan")); }, {"scene.yaml"});
   }
 }
@@ -189,6 +232,128 @@ TEST(Parameters, RefusesWhatDoesNotFitTogether) {
   expectRefused(
       [] { read(kSmallest + "tools: [{name: a, shape: {box: {orientation_xyzw: [0, 0, 0, 0.5]}}}]\n"); },
       {"tools[0].shape.box.orientation_xyzw", "unit quaternion"});
+}
+
+TEST(Parameters, ReadsHowCellsBecomeElements) {
+  const auto element = [](const std::string& fields) {
+    return read(kSmallest + "element: {" + fields + "}\n").simulation.element;
+  };
+  EXPECT_EQ(element("formulation: mean_value").formulation, Formulation::kMeanValue);
+  EXPECT_EQ(element("formulation: virtual").formulation, Formulation::kVirtual);
+  EXPECT_EQ(element("stabilisation_modulus: automatic").stabilisation_modulus,
+            StabilisationModulus::kAutomatic);
+  EXPECT_EQ(element("stabilisation_modulus: full").stabilisation_modulus, StabilisationModulus::kFull);
+  EXPECT_EQ(element("stabilisation_modulus: shear").stabilisation_modulus, StabilisationModulus::kShear);
+  EXPECT_EQ(element("strain: corotated").strain, Strain::kCorotated);
+  EXPECT_EQ(element("strain: linear").strain, Strain::kLinear);
+  EXPECT_EQ(element("strain: green").strain, Strain::kGreen);
+  EXPECT_EQ(element("quadrature_points: 1").quadrature_points, 1);
+  EXPECT_FALSE(element("exact_force: false").exact_force);
+  expectRefused([&] { element("corotated: true"); },
+                {"scene.yaml:2", "element.corotated", "unknown key", "strain"});
+  expectRefused([&] { element("gradient_correction: false"); },
+                {"element.gradient_correction", "unknown key"});
+  expectRefused([&] { element("strain: greens"); },
+                {"scene.yaml:2", "element.strain = greens", "did you mean green?"});
+}
+
+TEST(Parameters, ReadsTheModeOfAnalysis) {
+  const auto mode = [](const std::string& word) {
+    return read(kSmallest + "fixed: [{vertices: [0]}]\nintegration: {mode: " + word + "}\n")
+        .simulation.integration.mode;
+  };
+  EXPECT_EQ(mode("dynamic"), AnalysisMode::kDynamic);
+  EXPECT_EQ(mode("quasi_static"), AnalysisMode::kQuasiStatic);
+  EXPECT_EQ(mode("static"), AnalysisMode::kStatic);
+  for (const std::string word : {"static", "quasi_static"})
+    expectRefused([&] { read(kSmallest + "integration: {mode: " + word + "}\n"); },
+                  {"scene.yaml", "fixed", "hold"});
+}
+
+TEST(Parameters, ReadsRegions) {
+  const SceneParameters parameters = read(
+      kFile +
+      "material: {youngs_modulus_pa: 2, poisson_ratio: 0.3, density_kg_m3: 900}\n"
+      "regions:\n"
+      "- {name: ball, sphere: {centre_m: [1, 2, 3], radius_m: 4}, material: {youngs_modulus_pa: 5}, order: "
+      "-2}\n"
+      "- {name: box, box: {lowest_m: [0, 0, 0], highest_m: [1, 1, 1]}, material: {}, formulation: virtual}\n"
+      "- {name: by number, group: {number: 7}, material: {}, quadrature_points: 11}\n"
+      "- {name: by name, group: {name: left vein}, material: {}}\n");
+  const std::vector<RegionConfig>& regions = parameters.simulation.regions;
+  ASSERT_EQ(regions.size(), 4u);
+  EXPECT_EQ(regions[0].name, "ball");
+  EXPECT_EQ(std::get<RegionSphere>(regions[0].cells).centre_m, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(std::get<RegionSphere>(regions[0].cells).radius_m, 4);
+  EXPECT_EQ(regions[0].material.youngs_modulus_pa, 5);
+  EXPECT_EQ(regions[0].material.poisson_ratio, 0.3) << "as in the scene's material";
+  EXPECT_EQ(regions[0].material.density_kg_m3, 900);
+  EXPECT_EQ(regions[0].order, -2);
+  EXPECT_FALSE(regions[0].formulation.has_value());
+  EXPECT_FALSE(regions[0].quadrature_points.has_value());
+  EXPECT_EQ(std::get<RegionBox>(regions[1].cells).highest_m, Eigen::Vector3d(1, 1, 1));
+  EXPECT_EQ(regions[1].formulation, Formulation::kVirtual);
+  EXPECT_FALSE(regions[1].order.has_value());
+  EXPECT_EQ(std::get<RegionGroup>(regions[2].cells).group, 7);
+  EXPECT_EQ(regions[2].quadrature_points, 11);
+  EXPECT_EQ(std::get<RegionGroup>(regions[3].cells).group, 0);
+  EXPECT_EQ(std::get<RegionGroup>(regions[3].cells).name, "left vein");
+}
+
+TEST(Parameters, RefusesRegionsThatDoNotFit) {
+  const auto refuse = [](const std::string& mesh, const std::string& regions,
+                         const std::vector<std::string>& words) {
+    SCOPED_TRACE(regions);
+    expectRefused([&] { read(mesh + "regions: [" + regions + "]\n"); }, words);
+  };
+  const std::string ball = "sphere: {radius_m: 1}";
+  refuse(kSmallest, "{" + ball + ", material: {}}", {"scene.yaml:2", "regions[0].name is missing"});
+  refuse(kSmallest, "{name: a, " + ball + "}", {"regions[0].material is missing"});
+  refuse(kSmallest, "{name: a, material: {}}", {"regions[0]", "exactly one of box, sphere, group"});
+  refuse(kSmallest, "{name: a, " + ball + ", group: {number: 1}, material: {}}", {"exactly one of"});
+  refuse(kSmallest, "{name: a, sphere: {}, material: {}}", {"regions[0].sphere.radius_m is missing"});
+  refuse(kSmallest, "{name: a, " + ball + ", material: {}},\n {name: a, " + ball + ", material: {}}",
+         {"scene.yaml:3", "regions[1].name = a", "differ"});
+  refuse(kSmallest, "{name: a, group: {number: 1}, material: {}}", {"regions[0].group", "mesh file"});
+  refuse(kFile, "{name: a, group: {}, material: {}}", {"regions[0].group", "exactly one of number, name"});
+  refuse(kFile, "{name: a, group: {number: 1, name: b}, material: {}}", {"exactly one of number, name"});
+  for (const std::string number : {"0", "-1", ".nan", "1.5", "2147483648"})
+    refuse(kFile, "{name: a, group: {number: " + number + "}, material: {}}",
+           {"regions[0].group.number = " + number, "[1, 2147483647]"});
+  refuse(kFile, "{name: a, group: {name: ''}, material: {}}", {"regions[0].group.name", "must be the name"});
+  refuse(kSmallest, "{name: a, " + ball + ", material: {}, formulation: virtual, quadrature_points: 4}",
+         {"regions[0].quadrature_points = 4", "virtual"});
+  refuse(kSmallest, "{name: a, " + ball + ", material: {}, strain: green}",
+         {"regions[0].strain", "unknown key"});
+  expectRefused(
+      [] {
+        read(kSmallest +
+             "element: {formulation: virtual}\n"
+             "regions: [{name: a, sphere: {radius_m: 1}, material: {}, quadrature_points: 4}]\n");
+      },
+      {"scene.yaml:3", "regions[0].quadrature_points", "virtual"});
+  EXPECT_NO_THROW(
+      read(kSmallest +
+           "element: {formulation: virtual}\nregions: [{name: a, sphere: {radius_m: 1}, material: "
+           "{}, formulation: mean_value, quadrature_points: 4}]\n"));
+}
+
+TEST(Parameters, ColoursNeedTheStressTheyShow) {
+  const auto node = [](const std::string& fields) {
+    return read(kSmallest + "stress: {}\nnode: {" + fields + "}\n").node;
+  };
+  EXPECT_EQ(node("colour_by: none").colour_by, ColourBy::kNone);
+  EXPECT_EQ(node("colour_by: von_mises").colour_by, ColourBy::kVonMises);
+  EXPECT_EQ(node("colour_by: max_principal").colour_by, ColourBy::kMaxPrincipal);
+  EXPECT_EQ(node("colour_by: error, colour_range_pa: [0, 5]").colour_by, ColourBy::kError);
+  EXPECT_EQ(node("colour_range_pa: [-1, 5]").colour_range_pa, Eigen::Vector2d(-1, 5));
+  EXPECT_NO_THROW(read(kSmallest + "node: {colour_by: none}\n"));
+  for (const std::string word : {"von_mises", "max_principal", "error"})
+    expectRefused([&] { read(kSmallest + "node:\n  colour_by: " + word + "\n"); },
+                  {"scene.yaml:3", "node.colour_by = " + word, "stress"});
+  expectRefused([&] { node("colour_range_pa: [2, 1]"); },
+                {"scene.yaml:3", "node.colour_range_pa", "low < high"});
+  expectRefused([&] { node("colour_range_pa: [1]"); }, {"node.colour_range_pa", "2 numbers"});
 }
 
 TEST(Parameters, LooksForMeshesAndTellsWhere) {

@@ -60,11 +60,53 @@ class ServicesTest(unittest.TestCase):
         self.assertEqual(set(event.child_parents), set(event.parents))
         self.assertEqual(event.new_faces, 18)
 
+        self.mesh_now()
         self.assertEqual(namespaces(self.listener.mesh[-1]), {'surface', 'cut_faces', 'wireframe', 'pieces'})
         labels = [m.text for m in self.listener.mesh[-1].markers if m.ns == 'pieces']
         self.assertEqual(labels, ['piece 1: 13.5 ml', 'piece 2: 13.5 ml'])
         for marker in self.listener.mesh[-1].markers:
             self.assertEqual(marker.header.frame_id, 'world')
+
+    def test_the_stress_is_told_and_shown(self):
+        def latest(step):
+            wait_until(lambda: self.listener.status and self.listener.status[-1].step == step, 'step %d' % step)
+            return self.listener.status[-1]
+
+        def surface_colours():
+            self.mesh_now()
+            surface = next(m for m in self.listener.mesh[-1].markers if m.ns == 'surface')
+            self.assertEqual(len(surface.colors), len(surface.points))
+            return [(c.r, c.g, c.b) for c in surface.colors]
+
+        self.mesh_now()
+        self.assertNotIn('colours', namespaces(self.listener.mesh[-1]), 'there is no stress before the first step')
+        plain = surface_colours()
+        self.assertTrue(all(r > b for r, _, b in plain))
+        self.assertTrue(math.isnan(latest(0).error_estimate))
+        self.assertEqual(latest(0).stress_s, 0)
+
+        self.assertTrue(self.services.step(20).success)
+        status = latest(20)
+        self.assertIn('stress', status.parts)
+        self.assertTrue(0 < status.error_estimate < 1, status.error_estimate)
+        # A block of 3 cm bears at its bottom 1000 kg/m^3 x 9.81 m/s^2 x 0.03 m = 294 Pa.
+        self.assertTrue(30 < status.von_mises_max_pa < 600, status.von_mises_max_pa)
+        self.assertGreater(status.stress_s, 0)
+        coloured = surface_colours()
+        self.assertTrue(any(b > r for r, _, b in coloured), 'the lowest values are blue')
+        self.assertTrue(any(r > 2 * b for r, _, b in coloured), 'higher ones red to yellow')
+        label = next(m.text for m in self.listener.mesh[-1].markers if m.ns == 'colours')
+        self.assertRegex(label, r'^von Mises stress .* to .* Pa$')
+        self.assertAlmostEqual(float(label.split()[-2]), status.von_mises_max_pa, delta=0.01 * status.von_mises_max_pa)
+
+        self.assertTrue(self.cut_plane((0.015, 0, 0), (1, 0, 0)).success)
+        wait_until(lambda: latest(20).cuts == 1, 'the cut')
+        self.assertTrue(math.isnan(latest(20).von_mises_max_pa), 'of the mesh before the cut')
+        self.assertTrue(self.services.step(1).success)
+        self.assertGreater(latest(21).von_mises_max_pa, 0)
+        self.mesh_now()
+        cut_faces = next(m for m in self.listener.mesh[-1].markers if m.ns == 'cut_faces')
+        self.assertTrue(any(c.b > c.r for c in cut_faces.colors) or any(c.r > 2 * c.b for c in cut_faces.colors))
 
     def test_three_planes_make_sixty_cells_and_six_pieces(self):
         response = self.services.cut(plane_points=[Point(0.005, 0, 0), Point(0.015, 0, 0), Point(0, 0.015, 0)],

@@ -8,6 +8,7 @@
 
 #include "polyscalpel/cutting/cut_mesh.hpp"
 #include "polyscalpel/mesh/mesh_generation.hpp"
+#include "polyscalpel/mesh/surface.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -31,6 +32,17 @@ TEST(TissueMarkers, CoverTheSurfaceOfABlock) {
   const visualization_msgs::Marker marker = makeTriangleMarker(triangles, Eigen::Vector4d(1, 0.5, 0.2, 1));
   EXPECT_EQ(marker.points.size(), 3 * triangles.corners.size());
   EXPECT_EQ(marker.colors.size(), marker.points.size());
+}
+
+TEST(TissueMarkers, TrianglesKnowWhereTheyComeFrom) {
+  for (const PolyhedralMesh& mesh : {block(), makeTetBall({0, 0, 0}, 1, 2)}) {
+    const SurfaceTriangles triangles = makeSurfaceTriangles(mesh, mesh.restPositions(), false);
+    ASSERT_EQ(triangles.origins.size(), triangles.corners.size());
+    for (std::size_t i = 0; i < triangles.corners.size(); ++i) {
+      const auto& [face, index] = triangles.origins[i];
+      EXPECT_EQ(triangleCorners(mesh.face(face), index, mesh.restPositions()), triangles.corners[i]);
+    }
+  }
 }
 
 TEST(TissueMarkers, SharpEdgesStaySharp) {
@@ -76,6 +88,7 @@ TEST(TissueMarkers, TrianglesWithoutAreaAreLeftOut) {
       0, 0, 0, 0, 0, 0, 0, 0, 0;
   const SurfaceTriangles triangles = makeSurfaceTriangles(loose);
   ASSERT_EQ(triangles.corners.size(), 1u);
+  EXPECT_TRUE(triangles.origins.empty()) << "of no face";
   EXPECT_EQ(triangles.normals[0].col(0), Eigen::Vector3d(0, 0, 1));
 }
 

@@ -43,6 +43,35 @@ TEST(YamlReader, ReadsWhatIsThereAndKeepsDefaults) {
   EXPECT_EQ(map.document().fields[1].range, "(0, inf)");
 }
 
+TEST(YamlReader, FieldsWithoutADefaultStayAsTheyAre) {
+  YamlMap map = parse("a: 3\nb: left\n");
+  std::optional<int> a, no_a;
+  std::optional<std::string> b, no_b;
+  map.optionalInteger("a", a, {0, 10});
+  map.optionalInteger("no_a", no_a, {0, 10});
+  map.optionalChoice("b", b, {"left", "right"});
+  map.optionalChoice("no_b", no_b, {"left", "right"});
+  map.finish();
+  EXPECT_EQ(a, 3);
+  EXPECT_EQ(b, "left");
+  EXPECT_FALSE(no_a.has_value());
+  EXPECT_FALSE(no_b.has_value());
+  for (const FieldRecord& field : map.document().fields) EXPECT_EQ(field.default_value, "none");
+  EXPECT_EQ(map.document().fields[3].range, "{left, right}");
+  expectRefused(
+      [] {
+        std::optional<int> c;
+        parse("c: 11\n").optionalInteger("c", c, {0, 10});
+      },
+      {"scene.yaml:1", "c = 11", "[0, 10]"});
+  expectRefused(
+      [] {
+        std::optional<std::string> c;
+        parse("c: lift\n").optionalChoice("c", c, {"left", "right"});
+      },
+      {"scene.yaml:1", "c = lift", "left, right", "did you mean left?"});
+}
+
 TEST(YamlReader, NamesFileLinePathValueAndRange) {
   expectRefused(
       [] {

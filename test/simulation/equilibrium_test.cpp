@@ -28,8 +28,7 @@ PolyhedralMesh makeBeam(bool notched) {
   PolyhedralMesh mesh = makeHexBox({0, 0, 0}, {0.4, 0.05, 0.05}, {16, 2, 2});
   if (notched) {
     const Eigen::Matrix3Xd notch =
-        (Eigen::Matrix3Xd(3, 4) << 0.103, 0.117, 0.117, 0.103, -1, -1, 1, 1, 0.02, 0.2, 0.2, 0.02)
-            .finished();
+        (Eigen::Matrix3Xd(3, 4) << 0.103, 0.117, 0.117, 0.103, -1, -1, 1, 1, 0.02, 0.2, 0.2, 0.02).finished();
     const CutResult cut = cutMesh(mesh, mesh.restPositions(), PolygonCut{notch}, CuttingConfig(), 1);
     EXPECT_EQ(cut.status, CutStatus::kCut) << cut.message;
   }

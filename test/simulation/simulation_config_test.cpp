@@ -21,6 +21,12 @@ SimulationConfig fullScene() {
   config.fixed = {FixedBox(), FixedSphere{Eigen::Vector3d::Zero(), 0.1}, FixedVertices{{0, 3}}};
   config.cutting = CuttingConfig();
   config.contact = ContactConfig();
+  config.regions.resize(2);
+  config.regions[0].name = "tumour";
+  config.regions[0].cells = RegionSphere{Eigen::Vector3d::Zero(), 0.1};
+  config.regions[1].name = "vein";
+  config.regions[1].cells = RegionBox();
+  config.stress = StressConfig();
   ToolConfig tool;
   tool.name = "scalpel_1";
   tool.shape = ShapeConfig();
@@ -89,6 +95,34 @@ TEST(SimulationConfig, HoldsEveryBoundOfItsNumbers) {
        [](SimulationConfig& c, double v) { c.integration.mass_floor = v; },
        {0, kTiny, 1, 1 - kTiny},
        {-kTiny, 1 + kTiny}},
+      {"integration.equilibrium_tolerance",
+       [](SimulationConfig& c, double v) { c.integration.equilibrium_tolerance = v; },
+       {1e-12, 1.001e-12, 0.1, 0.1 - kTiny},
+       {0.999e-12, 0.1 + kTiny, 0, -1e-6}},
+      {"regions[0].radius_m",
+       [](SimulationConfig& c, double v) { std::get<RegionSphere>(c.regions[0].cells).radius_m = v; },
+       {kTiny, 1},
+       {0, -kTiny}},
+      {"regions[0].centre_m",
+       [](SimulationConfig& c, double v) { std::get<RegionSphere>(c.regions[0].cells).centre_m[1] = v; },
+       {-1, 1},
+       {-kInfinity}},
+      {"regions[1].lowest_m",
+       [](SimulationConfig& c, double v) {
+         c.regions[1].cells = RegionBox{{0, 0, v}, {1, 1, 1}};
+       },
+       {-1, 1},
+       {-kInfinity}},
+      {"regions[1].highest_m[2]",
+       [](SimulationConfig& c, double v) {
+         c.regions[1].cells = RegionBox{{0, 0, 0}, {1, 1, v}};
+       },
+       {0, kTiny},
+       {-kTiny}},
+      {"regions[1].material.density_kg_m3",
+       [](SimulationConfig& c, double v) { c.regions[1].material.density_kg_m3 = v; },
+       {1},
+       {0}},
       {"tools[0].max_jump_m",
        [](SimulationConfig& c, double v) { c.tools[0].max_jump_m = v; },
        {kTiny, 10},
@@ -190,6 +224,25 @@ TEST(SimulationConfig, HoldsEveryBoundOfItsCounts) {
   const auto set_ball = [](SimulationConfig& c, double v) { c.mesh = BallMeshConfig{{0, 0, 0}, 1, int(v)}; };
   const auto set_solves = [](SimulationConfig& c, double v) { c.integration.contact_iterations = int(v); };
   const auto set_vertex = [](SimulationConfig& c, double v) { c.fixed[2] = FixedVertices{{4, int(v)}}; };
+  const auto set_newton = [](SimulationConfig& c, double v) {
+    c.integration.equilibrium_iterations = int(v);
+  };
+  const auto set_interval = [](SimulationConfig& c, double v) { c.stress->interval_steps = int(v); };
+  const auto set_points = [](SimulationConfig& c, double v) { c.regions[1].quadrature_points = int(v); };
+  const auto set_group = [](SimulationConfig& c, double v) {
+    c.mesh = MeshFileConfig{"a.msh", 1, 0};
+    c.regions[1].cells = RegionGroup{int(v), ""};
+  };
+  for (const double value : {1, 2, 999, 1000}) expectAccepted(set_newton, value);
+  for (const double value : {-1, 0, 1001})
+    expectRefused("integration.equilibrium_iterations", set_newton, value);
+  for (const double value : {1, 2, 999999, 1000000}) expectAccepted(set_interval, value);
+  for (const double value : {-1, 0, 1000001}) expectRefused("stress.interval_steps", set_interval, value);
+  for (const double value : {1, 4, 11}) expectAccepted(set_points, value);
+  for (const double value : {-4, 0, 2, 5, 10, 12})
+    expectRefused("regions[1].quadrature_points", set_points, value);
+  for (const double value : {1, 2, 2147483647}) expectAccepted(set_group, value);
+  for (const double value : {-1, 0}) expectRefused("regions[1].group.number", set_group, value);
   for (const double value : {1, 2, 199, 200}) expectAccepted(set_counts, value);
   for (const double value : {-1, 0, 201}) expectRefused("mesh.counts[1]", set_counts, value);
   for (const double value : {1, 2, 39, 40}) expectAccepted(set_ball, value);
@@ -214,6 +267,22 @@ TEST(SimulationConfig, RefusesWhatDoesNotGoTogether) {
          [](SimulationConfig& c) { c.tools[0].blade_edge_tool = Eigen::Matrix3Xd(3, 1); });
   refuse("mesh.path", [](SimulationConfig& c) { c.mesh = MeshFileConfig(); });
   refuse("fixed[2].vertices", [](SimulationConfig& c) { c.fixed[2] = FixedVertices(); });
+  refuse("regions[1].name", [](SimulationConfig& c) { c.regions[1].name = c.regions[0].name; });
+  refuse("regions[1].name", [](SimulationConfig& c) { c.regions[1].name.clear(); });
+  refuse("regions[0].group", [](SimulationConfig& c) { c.regions[0].cells = RegionGroup{1, ""}; });
+  refuse("regions[0].group", [](SimulationConfig& c) { c.regions[0].cells = RegionGroup{0, "vein"}; });
+  refuse("regions[0].group.number", [](SimulationConfig& c) {
+    c.mesh = MeshFileConfig{"a.msh", 1, 0};
+    c.regions[0].cells = RegionGroup{1, "vein"};
+  });
+  refuse("regions[0].quadrature_points", [](SimulationConfig& c) {
+    c.regions[0].formulation = Formulation::kVirtual;
+    c.regions[0].quadrature_points = 4;
+  });
+  refuse("regions[0].quadrature_points", [](SimulationConfig& c) {
+    c.element.formulation = Formulation::kVirtual;
+    c.regions[0].quadrature_points = 4;
+  });
   const auto make_static = [](SimulationConfig& c) {
     c.integration.mode = AnalysisMode::kStatic;
     c.contact.reset();
@@ -225,6 +294,13 @@ TEST(SimulationConfig, RefusesWhatDoesNotGoTogether) {
   refuse("contact", [&](SimulationConfig& c) { make_static(c), c.contact = ContactConfig(); });
   refuse("tools", [&](SimulationConfig& c) { make_static(c), c.tools.resize(1); });
   refuse("fixed", [&](SimulationConfig& c) { make_static(c), c.fixed.clear(); });
+  config = fullScene();
+  config.integration.mode = AnalysisMode::kQuasiStatic;
+  EXPECT_NO_THROW(validate(config)) << "tools, blades and contact act from step to step";
+  refuse("fixed", [&](SimulationConfig& c) {
+    c.integration.mode = AnalysisMode::kQuasiStatic;
+    c.fixed.clear();
+  });
 }
 
 }  // namespace

@@ -24,14 +24,16 @@ namespace polyscalpel {
 /// by eps / d, and that is what is reached.
 ///
 /// A workspace: keeps its storage from cell to cell. One thread at a time may use one object. Scalar is
-/// double (two points at once) or long double (a reference for tests).
+/// double (several points at once) or long double (a reference for tests).
 template <class Scalar>
 class MeanValueCoordinates {
  public:
   using Matrix3X = Eigen::Matrix<Scalar, 3, Eigen::Dynamic>;
   using MatrixX = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
-  MeanValueCoordinates();
+  /// portable: takes the arithmetic that every machine has also where there is a wider one; the numbers are
+  /// the same bit for bit.
+  explicit MeanValueCoordinates(bool portable = false);
   ~MeanValueCoordinates();
   MeanValueCoordinates(MeanValueCoordinates&&) noexcept;
   MeanValueCoordinates& operator=(MeanValueCoordinates&&) noexcept;

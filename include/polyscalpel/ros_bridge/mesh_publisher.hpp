@@ -20,8 +20,8 @@
 namespace polyscalpel {
 
 /// Publishes everything that can be seen on the latched topic `mesh`: namespaces surface, cut_faces,
-/// wireframe, pieces, tools, blades, contacts. Markers that are no longer there are deleted in the next
-/// message.
+/// colours (what they show), wireframe, pieces, tools, blades, contacts. Markers that are no longer there are
+/// deleted in the next message.
 class MeshPublisher {
  public:
   /// Throws std::invalid_argument for a bad display shape. parameters and simulation must outlive the
@@ -39,6 +39,8 @@ class MeshPublisher {
     Rgba colour_rgba;
   };
 
+  visualization_msgs::Marker makeLabel(const std::string& name, int id, const std::string& text) const;
+  void addSurface(visualization_msgs::MarkerArray& array) const;
   void addTissue(visualization_msgs::MarkerArray& array) const;
   void addTool(visualization_msgs::MarkerArray& array, std::size_t tool,
                const Eigen::Isometry3d& T_world_tool) const;

@@ -20,6 +20,14 @@ enum class ClockMode {
   kLockstep,  ///< by the stamps of the poses: reproducible to the bit at any machine speed
 };
 
+/// What the colours of the tissue show.
+enum class ColourBy {
+  kNone,          ///< one colour each for the surface and for cut faces
+  kVonMises,      ///< von Mises' equivalent stress [Pa]
+  kMaxPrincipal,  ///< largest principal stress [Pa], tension positive
+  kError,         ///< estimated error energy of a cell over its volume at rest [J/m^3 = Pa]
+};
+
 /// A colour, each in [0, 1].
 using Rgba = Eigen::Vector4d;
 
@@ -58,6 +66,9 @@ struct NodeConfig {
   double contact_arrow_m_per_n = 0.1;  ///< in (0, 1000]: length of the arrow of a contact force
   Rgba surface_colour_rgba = Rgba(0.62, 0.20, 0.17, 1);
   Rgba cut_colour_rgba = Rgba(0.93, 0.55, 0.50, 1);
+  ColourBy colour_by = ColourBy::kNone;  ///< any other: needs SimulationConfig::stress
+  /// Values of the first and the last colour, the first smaller; both 0: smallest and largest value at hand.
+  Eigen::Vector2d colour_range_pa = Eigen::Vector2d::Zero();
 };
 
 /// A whole scene.

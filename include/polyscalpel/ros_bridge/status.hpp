@@ -32,6 +32,9 @@ class BodyCounter {
 /// Fills the stage times, the solution and the number of contacts.
 void fillStep(StepStatus& status, const StepReport& report);
 
+/// Fills what is told of the stress. field: nullptr where there is none.
+void fillStress(StepStatus& status, const StressField* field);
+
 /// Fills the counters of one tool.
 void fillTool(ToolStatus& status, const PoseCounters& counters);
 

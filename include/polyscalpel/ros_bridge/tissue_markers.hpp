@@ -14,11 +14,18 @@
 
 namespace polyscalpel {
 
+/// Where a boundary triangle comes from.
+struct TriangleOrigin {
+  FaceId face;
+  int index = 0;  ///< of the face's triangles (surface.hpp)
+};
+
 /// Boundary triangles of the tissue, without those that have no area (rviz garbles them).
 struct SurfaceTriangles {
   std::vector<Eigen::Matrix3d> corners;  ///< one column a corner [m], counter-clockwise seen from outside
   std::vector<Eigen::Matrix3d>
-      normals;  ///< at the corners, unit, smooth across edges of less than 50 degrees
+      normals;                          ///< at the corners, unit, smooth across edges of less than 50 degrees
+  std::vector<TriangleOrigin> origins;  ///< empty for loose triangles
 };
 
 /// Triangles of the boundary faces that a cut made, or of all others. positions: 3 x n, one column per vertex

@@ -6,6 +6,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,7 @@ const Range kNotNegative{0, std::numeric_limits<double>::infinity(), false, true
 /// A field that a reader knows: what a test compares the documented scene with.
 struct FieldRecord {
   std::string path;           ///< "integration.time_step_s"
-  std::string default_value;  ///< as text; "required" where there is none
+  std::string default_value;  ///< as text; "required" or "none" where there is none
   std::string range;          ///< as text
 };
 
@@ -68,6 +69,10 @@ class YamlMap {
   void text(const std::string& key, std::string& value, const std::string& rule);
   /// One of several words.
   void choice(const std::string& key, std::string& value, const std::vector<std::string>& words);
+  /// The same without a default: `value` stays as it is when the key is absent.
+  void optionalInteger(const std::string& key, std::optional<int>& value, const Range& range);
+  void optionalChoice(const std::string& key, std::optional<std::string>& value,
+                      const std::vector<std::string>& words);
   /// A list of as many numbers as value has, each in the range.
   void numbers(const std::string& key, Eigen::Ref<Eigen::VectorXd> value, const Range& range);
   void integers(const std::string& key, Eigen::Ref<Eigen::VectorXi> value, const Range& range);
@@ -100,6 +105,8 @@ class YamlMap {
  private:
   YAML::Node find(const std::string& key);
   void record(const std::string& key, const std::string& default_value, const std::string& range);
+  void choose(const std::string& key, const std::string& default_value, std::optional<std::string>& value,
+              const std::vector<std::string>& words);
   double toNumber(const std::string& key, const YAML::Node& node, const Range& range, bool whole) const;
   [[noreturn]] void refuseNode(const YAML::Node& node, const std::string& path,
                                const std::string& rule) const;
