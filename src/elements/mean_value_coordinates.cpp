@@ -17,7 +17,7 @@ struct MeanValueCoordinates<Scalar>::Kernel {
   using Real = std::conditional_t<std::is_same_v<Scalar, double>, Pack<2>, SinglePack<Scalar>>;
   using Surface = MeanValueSurface<Scalar>;
   using FixedVector = Vector3<Scalar>;
-  static constexpr int kWidestReal = 4;
+  static constexpr int kWidestReal = 8;
 
   struct Free {
     void operator()(void* room) const { ::operator delete(room, kAlignment); }
@@ -35,8 +35,9 @@ struct MeanValueCoordinates<Scalar>::Kernel {
 
   explicit Kernel(bool portable) {
     if constexpr (std::is_same_v<Scalar, double>) {
-      const MeanValueEvaluation<double> wide = portable ? nullptr : wideMeanValueEvaluation();
-      if (wide) evaluation = wide;
+      if (portable) return;
+      if (const auto wide = avx2MeanValueEvaluation()) evaluation = wide;
+      if (const auto wide = avx512MeanValueEvaluation()) evaluation = wide;
     }
   }
   void setSurface(const CellSurface& surface, const Eigen::Vector3d& origin);

@@ -9,24 +9,37 @@
 namespace polyscalpel {
 namespace {
 
-/// Adds scale * sum_q w_q (G_q - Gq) (G_q - Gq)^T to the lower triangle of H.
-void addGradientFluctuation(const Eigen::Ref<const Eigen::MatrixXd>& gradients,
-                            const Eigen::VectorXd& weights, const Eigen::Matrix3Xd& points,
-                            const Eigen::Matrix3Xd& mean_gradient, double scale, Eigen::MatrixXd& H) {
-  const Eigen::Index n = mean_gradient.cols();
+/// sum_q w_q (G_q - Gq) (G_q - Gq)^T, lower triangle.
+Eigen::MatrixXd gradientFluctuation(const Eigen::Ref<const Eigen::MatrixXd>& gradients,
+                                    const Eigen::VectorXd& weights) {
   const Eigen::VectorXd mean = gradients * weights / weights.sum();
-  Eigen::MatrixXd fluctuation = gradients.colwise() - mean;
-  for (Eigen::Index q = 0; q < fluctuation.cols(); ++q) {
-    Eigen::Map<Eigen::Matrix3Xd> of_point(fluctuation.col(q).data(), 3, n);
-    // Linear fields have no fluctuation. Rounding leaves one, large in flat cells, where gradients lose
-    // digits: take the gradient of the position field, which should be zero, out by means of Gm, whose own is
-    // exactly the identity.
-    Eigen::Matrix3d residual = Eigen::Matrix3d::Zero();
-    for (Eigen::Index i = 0; i < n; ++i) residual += of_point.col(i) * points.col(i).transpose();
-    for (Eigen::Index i = 0; i < n; ++i) of_point.col(i) -= residual * mean_gradient.col(i);
-    of_point *= std::sqrt(scale * weights(q));
+  const Eigen::VectorXd roots = weights.cwiseSqrt();
+  Eigen::MatrixXd fluctuation(gradients.rows(), gradients.cols());
+  for (Eigen::Index q = 0; q < gradients.cols(); ++q) {
+    fluctuation.col(q) = roots[q] * (gradients.col(q) - mean);
   }
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(gradients.rows(), gradients.rows());
   H.selfadjointView<Eigen::Lower>().rankUpdate(fluctuation);
+  return H;
+}
+
+/// Linear fields have no fluctuation. Rounding leaves one, large in flat cells, where gradients lose digits:
+/// take the gradient of the position field, which should be zero, out by means of Gm, whose own is exactly
+/// the identity. G - (G X^T) Gm = G Q, Q = I - X^T Gm, so H turns into Q^T H Q, by vertices.
+void removeLinearFields(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                        const Eigen::Matrix3Xd& mean_gradient, Eigen::MatrixXd& H) {
+  const Eigen::Index n = mean_gradient.cols();
+  Eigen::MatrixXd Q = -points.transpose() * mean_gradient;
+  Q.diagonal().array() += 1;
+  H.triangularView<Eigen::StrictlyUpper>() = H.transpose();
+  Eigen::MatrixXd HQ = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+  for (Eigen::Index b = 0; b < n; ++b) {
+    for (Eigen::Index c = 0; c < n; ++c) HQ.middleCols<3>(3 * b) += Q(c, b) * H.middleCols<3>(3 * c);
+  }
+  H.setZero();
+  for (Eigen::Index a = 0; a < n; ++a) {
+    for (Eigen::Index c = 0; c < n; ++c) H.middleRows<3>(3 * a) += Q(c, a) * HQ.middleRows<3>(3 * c);
+  }
 }
 
 class MeanValueElement final : public ElementFormulation {
@@ -43,11 +56,10 @@ class MeanValueElement final : public ElementFormulation {
 
     ElementMatrices element;
     setVolumeAndMeanGradient(surface, points, element);
-    const Eigen::Index num_dofs = 3 * surface.num_vertices;
-    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(num_dofs, num_dofs);
     if (config_.gradient_correction) {
-      addGradientFluctuation(coordinates.gradients(), quadrature.weights, points, element.mean_gradient,
-                             config_.stabilisation_scale, H);
+      Eigen::MatrixXd H = gradientFluctuation(coordinates.gradients(), quadrature.weights);
+      removeLinearFields(points.leftCols(surface.num_vertices), element.mean_gradient, H);
+      H *= config_.stabilisation_scale;
       element.stabilisation = stiffnessFromGradientProducts(H, stabilisationModuli(material, config_));
     } else {
       setUncorrected(coordinates.gradients(), quadrature.weights, material, element);

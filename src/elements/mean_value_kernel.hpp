@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // The arithmetic of mean value coordinates, for points side by side in the lanes of a Real. Compiled once for
-// every machine and once for wider registers (mean_value_kernel_avx2.cpp), so all that is here has internal
-// linkage or depends on Real: nothing compiled for wide registers may end up elsewhere in the program.
+// every machine and once for wider registers (mean_value_kernel_avx2.cpp, _avx512.cpp), so all that is here
+// has internal linkage or depends on Real: nothing compiled for wide registers may end up elsewhere in the
+// program.
 #pragma once
 
 #include <array>
@@ -119,9 +120,10 @@ template <class Scalar>
 using MeanValueEvaluation = void (*)(const MeanValueSurface<Scalar>& surface, const Scalar* points, int count,
                                      void* room, Scalar* values, Scalar* gradients);
 
-/// The evaluation with four doubles side by side, or nullptr where compiler or processor have no AVX2. Bit
-/// for bit the same numbers.
-MeanValueEvaluation<double> wideMeanValueEvaluation();
+/// The evaluation with 4 or 8 doubles side by side, or nullptr where compiler or processor cannot. Bit for
+/// bit the same numbers.
+MeanValueEvaluation<double> avx2MeanValueEvaluation();
+MeanValueEvaluation<double> avx512MeanValueEvaluation();
 
 template <class Real, class Scalar>
 class MeanValueKernel {

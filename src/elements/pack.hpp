@@ -19,6 +19,10 @@ template <>
 struct DoubleVector<4> {
   using Type = double __attribute__((vector_size(32)));
 };
+template <>
+struct DoubleVector<8> {
+  using Type = double __attribute__((vector_size(64)));
+};
 
 /// kWidth doubles that go through the same arithmetic side by side. GCC's and Clang's vector types, wrapped
 /// so that they can be template arguments; Eigen 3.4 does not vectorise comparisons and selections.
@@ -55,6 +59,9 @@ class Pack {
   friend Mask operator<=(Pack a, Pack b) { return {a.values_ <= b.values_}; }
   friend Pack select(Mask mask, Pack yes, Pack no) { return Pack(mask.lanes ? yes.values_ : no.values_); }
   friend Pack sqrt(Pack a) {
+#if defined(__AVX512F__)
+    if constexpr (kWidth == 8) return Pack(Values(_mm512_maskz_sqrt_pd(0xff, __m512d(a.values_))));
+#endif
 #if defined(__AVX2__)
     if constexpr (kWidth == 4) return Pack(Values(_mm256_sqrt_pd(__m256d(a.values_))));
 #endif
