@@ -2,10 +2,10 @@
 #include "polyscalpel/elements/assembly.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <thread>
 
 #include "polyscalpel/core/checks.hpp"
-#include "polyscalpel/elements/corotation.hpp"
 
 namespace polyscalpel {
 
@@ -22,16 +22,24 @@ double median(Eigen::VectorXd values) {
 
 Assembly::Assembly(const PolyhedralMesh& mesh, const IsotropicMaterial& material, const ElementConfig& config,
                    double mass_floor)
-    : material_(material), config_(config) {
-  validate(material);
-  validate(config);
+    : Assembly(mesh, CellKinds{{{material, config}}, {}}, mass_floor) {}
+
+Assembly::Assembly(const PolyhedralMesh& mesh, const CellKinds& kinds, double mass_floor)
+    : kinds_(kinds.kinds), kind_of_cell_(kinds.of_cell) {
+  POLYSCALPEL_ASSERT(!kinds_.empty());
   requireInRange("mass_floor", mass_floor, 0, 1);
-  lambda_ = lameLambda(material);
-  mu_ = shearModulus(material);
+  const ElementConfig& first = kinds_.front().element;
+  for (const CellKind& kind : kinds_) {
+    validate(kind.material);
+    formulations_.emplace_back(kind.element);
+    moduli_.push_back({lameLambda(kind.material), shearModulus(kind.material)});
+    POLYSCALPEL_ASSERT(kind.element.strain == first.strain && kind.element.exact_force == first.exact_force &&
+                       kind.element.consistent_mass == first.consistent_mass);
+  }
+  measure_ = &polyscalpel::strainMeasure(first.strain);
   elements_.resize(mesh.cellCapacity());
-  is_tetrahedron_.resize(mesh.cellCapacity());
+  kind_of_cell_.resize(mesh.cellCapacity(), 0);
   is_touched_.assign(mesh.numVertices(), 0);
-  rest_positions_ = mesh.restPositions();
   for (const CellId cell : mesh.cells()) makeCell(mesh, cell.index());
   pack(mesh);
   makePattern();
@@ -40,21 +48,23 @@ Assembly::Assembly(const PolyhedralMesh& mesh, const IsotropicMaterial& material
 }
 
 void Assembly::makeCell(const PolyhedralMesh& mesh, int cell) {
-  const CellSurface surface = makeCellSurface(mesh, CellId(cell), mesh.restPositions());
-  elements_[cell] = makeElementMatrices(surface, material_, config_);
-  is_tetrahedron_[cell] = surface.isTetrahedron();
-  if (surface.isTetrahedron()) elements_[cell].stiffness.resize(0, 0);
+  const int kind = kind_of_cell_[cell];
+  POLYSCALPEL_ASSERT(kind >= 0 && kind < numKinds());
+  elements_[cell] = formulations_[kind].makeMatrices(
+      makeCellSurface(mesh, CellId(cell), mesh.restPositions()), kinds_[kind].material);
 }
 
 void Assembly::update(const PolyhedralMesh& mesh, const MeshChange& change) {
   POLYSCALPEL_ASSERT(mesh.numVertices() == numVertices() + static_cast<int>(change.new_vertices.size()));
   elements_.resize(mesh.cellCapacity());
-  is_tetrahedron_.resize(mesh.cellCapacity());
+  kind_of_cell_.resize(mesh.cellCapacity(), 0);
   is_touched_.resize(mesh.numVertices(), 1);
-  rest_positions_ = mesh.restPositions();
   for (const CellId cell : change.removed_cells) elements_[cell.index()] = {};
   std::vector<CellId> cells = change.changed_cells;
-  for (const NewCell& cell : change.new_cells) cells.push_back(cell.cell);
+  for (const NewCell& cell : change.new_cells) {
+    kind_of_cell_[cell.cell.index()] = kind_of_cell_[cell.parent.index()];
+    cells.push_back(cell.cell);
+  }
   for (const CellId cell : cells) {
     for (const VertexId vertex : mesh.cell(cell).vertices) is_touched_[vertex.index()] = 1;
   }
@@ -80,30 +90,40 @@ void Assembly::update(const PolyhedralMesh& mesh, const MeshChange& change) {
 void Assembly::pack(const PolyhedralMesh& mesh) {
   cells_.clear();
   cell_vertices_.clear();
-  int largest = 0;
+  largest_cell_ = 0;
   int num_blocks = 0;
   for (const CellId id : mesh.cells()) {
+    const ElementMatrices& element = elements_[id.index()];
     PackedCell cell;
     cell.cell = id.index();
+    cell.kind = kind_of_cell_[id.index()];
     cell.num_vertices = static_cast<int>(mesh.cell(id).vertices.size());
-    cell.is_tetrahedron = is_tetrahedron_[id.index()];
+    cell.is_stabilised = element.stabilisation.size() > 0;
     cell.first_vertex = static_cast<int>(cell_vertices_.size());
     cell.first_block = num_blocks;
-    cell.volume = elements_[id.index()].volume;
-    POLYSCALPEL_ASSERT(elements_[id.index()].mean_gradient.cols() == cell.num_vertices);
+    cell.volume = element.volume;
+    POLYSCALPEL_ASSERT(element.mean_gradient.cols() == cell.num_vertices);
     cells_.push_back(cell);
     for (const VertexId vertex : mesh.cell(id).vertices) cell_vertices_.push_back(vertex.index());
     num_blocks += cell.num_vertices * (cell.num_vertices + 1) / 2;
-    largest = std::max(largest, cell.num_vertices);
+    largest_cell_ = std::max(largest_cell_, cell.num_vertices);
   }
   cell_blocks_.resize(num_blocks);
   gradients_.resize(3, static_cast<Eigen::Index>(cell_vertices_.size()));
+  rest_offsets_.resize(3, static_cast<Eigen::Index>(cell_vertices_.size()));
   for (const PackedCell& cell : cells_) {
     gradients_.middleCols(cell.first_vertex, cell.num_vertices) = elements_[cell.cell].mean_gradient;
+    const std::vector<VertexId>& vertices = mesh.cell(CellId(cell.cell)).vertices;
+    for (int i = 0; i < cell.num_vertices; ++i) {
+      rest_offsets_.col(cell.first_vertex + i) =
+          mesh.restPosition(vertices[i]) - mesh.restPosition(vertices[0]);
+    }
   }
-  rotations_.assign(cells_.size(), Eigen::Matrix3d::Identity());
   rest_stiffness_.clear();
-  work_ = Workspace(largest);
+  work_ = CellWorkspace(largest_cell_);
+  gathered_.resize(3, largest_cell_);
+  cell_forces_.resize(3, largest_cell_);
+  lineariseAtRest();
 }
 
 // Column by column: the rows are the vertices of the cells around the column's vertex. Sorting within one
@@ -113,7 +133,7 @@ void Assembly::makePattern() {
     int packed_cell;
     int local;
   };
-  const int num_vertices = static_cast<int>(rest_positions_.cols());
+  const int num_vertices = static_cast<int>(is_touched_.size());
   std::vector<int> first_corner(num_vertices + 1, 0);
   for (const int vertex : cell_vertices_) ++first_corner[vertex + 1];
   for (int i = 0; i < num_vertices; ++i) first_corner[i + 1] += first_corner[i];
@@ -157,19 +177,20 @@ void Assembly::makePattern() {
 }
 
 void Assembly::makeMasses() {
-  const double density = material_.density_kg_m3;
+  const bool consistent = kinds_.front().element.consistent_mass;
   vertex_masses_.setZero(numVertices());
   block_masses_.assign(pattern_.numBlocks(), 0.0);
   for (const PackedCell& cell : cells_) {
     const ElementMatrices& element = elements_[cell.cell];
+    const double density = kinds_[cell.kind].material.density_kg_m3;
     for (int i = 0; i < cell.num_vertices; ++i) {
       const int* const blocks = &cell_blocks_[cell.first_block + i * (i + 1) / 2];
       vertex_masses_[cell_vertices_[cell.first_vertex + i]] += density * element.shape_integral[i];
-      if (!config_.consistent_mass) continue;
+      if (!consistent) continue;
       for (int j = 0; j <= i; ++j) block_masses_[blocks[j]] += density * element.mass_integral(i, j);
     }
   }
-  if (!config_.consistent_mass) {
+  if (!consistent) {
     for (int i = 0; i < numVertices(); ++i) block_masses_[pattern_.column_start[i]] = vertex_masses_[i];
   }
   added_mass_ = 0;
@@ -182,61 +203,68 @@ void Assembly::makeMasses() {
   }
 }
 
-void Assembly::gather(const PackedCell& cell, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
-                      Workspace& work) const {
+CellView Assembly::view(const PackedCell& cell) const {
+  return {cell.volume, moduli_[cell.kind], gradients_.middleCols(cell.first_vertex, cell.num_vertices),
+          cell.is_stabilised ? &elements_[cell.cell].stabilisation : nullptr,
+          rest_offsets_.middleCols(cell.first_vertex, cell.num_vertices)};
+}
+
+// Relative to the cell's first vertex: far from the origin forces would lose digits.
+Eigen::Ref<const Eigen::Matrix3Xd> Assembly::gather(const PackedCell& cell,
+                                                    const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+                                                    Eigen::Matrix3Xd& room) const {
   const int* const vertices = &cell_vertices_[cell.first_vertex];
   const Eigen::Vector3d origin = positions.col(vertices[0]);
-  for (int i = 0; i < cell.num_vertices; ++i) work.positions.col(i) = positions.col(vertices[i]) - origin;
+  for (int i = 0; i < cell.num_vertices; ++i) room.col(i) = positions.col(vertices[i]) - origin;
+  return room.leftCols(cell.num_vertices);
 }
 
-Eigen::Matrix3d Assembly::rotation(const PackedCell& cell, const Workspace& work) const {
-  return polarRotation(meanDeformationGradient(work.positions.leftCols(cell.num_vertices),
-                                               gradients_.middleCols(cell.first_vertex, cell.num_vertices)));
-}
-
-void Assembly::updateRotations(const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
-  if (!config_.corotated) return;
+void Assembly::linearise(const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
   POLYSCALPEL_ASSERT(positions.cols() == numVertices());
+  if (hasConstantStiffness()) return;
+  const bool exact_force = kinds_.front().element.exact_force;
   for (std::size_t c = 0; c < cells_.size(); ++c) {
-    gather(cells_[c], positions, work_);
-    rotations_[c] = rotation(cells_[c], work_);
+    linearisations_[c] = polyscalpel::linearise(*measure_, view(cells_[c]),
+                                                gather(cells_[c], positions, gathered_), exact_force, work_);
   }
 }
 
-void Assembly::resetRotations() {
-  rotations_.assign(cells_.size(), Eigen::Matrix3d::Identity());
+void Assembly::lineariseAtRest() {
+  linearisations_.assign(cells_.size(), CellLinearisation());
 }
 
-void Assembly::assembleStiffness(double scale, Blocks& matrix) {
-  Eigen::Matrix<double, 3, 4> rotated_gradients;
+void Assembly::assembleStiffness(double scale, Blocks& matrix) const {
+  Eigen::Matrix3Xd h_of(3, largest_cell_);
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     const PackedCell& cell = cells_[c];
-    const Eigen::Matrix3d& R = rotations_[c];
+    const Eigen::Matrix3d& R = linearisations_[c].R;
+    const MeanLinearisation& mean = linearisations_[c].mean;
+    const int n = cell.num_vertices;
+    const auto gradients = gradients_.middleCols(cell.first_vertex, n);
+    const double scaled_volume = scale * cell.volume;
+    const double lambda = scaled_volume * moduli_[cell.kind].lambda_pa;
+    const double mu = scaled_volume * moduli_[cell.kind].mu_pa;
+    const Eigen::Matrix3d AAt = mean.A * mean.A.transpose();
+    const bool is_prestressed = !mean.S.isZero(0);
+    for (int i = 0; i < n; ++i) h_of.col(i).noalias() = mean.A * gradients.col(i);
+    const Eigen::MatrixXd* const S = cell.is_stabilised ? &elements_[cell.cell].stabilisation : nullptr;
     const int* blocks = &cell_blocks_[cell.first_block];
-    if (cell.is_tetrahedron) {
-      // With C isotropic, V Gm^T C Gm has the blocks V (lambda g_a g_b^T + mu g_b g_a^T + mu (g_a . g_b) I),
-      // and rotating K is rotating the gradients.
-      for (int i = 0; i < 4; ++i) {
-        rotated_gradients.col(i).noalias() = R * gradients_.col(cell.first_vertex + i);
-      }
-      const double lambda = scale * cell.volume * lambda_, mu = scale * cell.volume * mu_;
-      for (int a = 0; a < 4; ++a) {
-        const Eigen::Vector3d g_a = rotated_gradients.col(a), lambda_a = lambda * g_a, mu_a = mu * g_a;
-        for (int b = 0; b <= a; ++b) {
-          const Eigen::Vector3d g_b = rotated_gradients.col(b);
-          Eigen::Matrix3d& block = matrix[*blocks++];
-          block.noalias() += lambda_a * g_b.transpose();
-          block.noalias() += g_b * mu_a.transpose();
-          block.diagonal().array() += mu_a.dot(g_b);
+    for (int a = 0; a < n; ++a) {
+      const Eigen::Vector3d h_a = h_of.col(a), lambda_a = lambda * h_a, mu_a = mu * h_a,
+                            g_a = mu * gradients.col(a);
+      for (int b = 0; b <= a; ++b) {
+        const Eigen::Vector3d h_b = h_of.col(b);
+        Eigen::Matrix3d& block = matrix[*blocks++];
+        block.noalias() += lambda_a * h_b.transpose();
+        block.noalias() += h_b * mu_a.transpose();
+        block += g_a.dot(gradients.col(b)) * AAt;
+        if (is_prestressed) {
+          const double tension = scaled_volume * gradients.col(a).dot(mean.S * gradients.col(b));
+          block.diagonal().array() += tension;
         }
-      }
-    } else {
-      const Eigen::MatrixXd& K = elements_[cell.cell].stiffness;
-      for (int a = 0; a < cell.num_vertices; ++a) {
-        for (int b = 0; b <= a; ++b) {
-          const Eigen::Matrix3d rotated = scale * (R * K.block<3, 3>(3 * a, 3 * b));
-          matrix[*blocks++].noalias() += rotated * R.transpose();
-        }
+        if (!S) continue;
+        const Eigen::Matrix3d rotated = scale * (R * S->block<3, 3>(3 * a, 3 * b));
+        block.noalias() += rotated * R.transpose();
       }
     }
   }
@@ -244,7 +272,7 @@ void Assembly::assembleStiffness(double scale, Blocks& matrix) {
 
 void Assembly::assemble(double mass_scale, double stiffness_scale, Blocks& matrix) {
   matrix.resize(pattern_.numBlocks());
-  if (config_.corotated) {
+  if (!hasConstantStiffness()) {
     std::fill(matrix.begin(), matrix.end(), Eigen::Matrix3d::Zero());
     assembleStiffness(stiffness_scale, matrix);
   } else {
@@ -259,28 +287,18 @@ void Assembly::assemble(double mass_scale, double stiffness_scale, Blocks& matri
     matrix[k].diagonal().array() += mass_scale * block_masses_[k];
 }
 
-// work.forces = K (R^T x - X) for work.positions; work.back is its argument, for polyhedra only.
-void Assembly::cellForces(const PackedCell& cell, const Eigen::Matrix3d& R, Workspace& work) const {
-  if (cell.is_tetrahedron) {
-    Eigen::Matrix3d F = Eigen::Matrix3d::Zero();
-    for (int i = 0; i < 4; ++i) {
-      F.noalias() += work.positions.col(i) * gradients_.col(cell.first_vertex + i).transpose();
+void Assembly::assembleExactTangent(const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+                                    Blocks& matrix) const {
+  POLYSCALPEL_ASSERT(positions.cols() == numVertices());
+  matrix.assign(pattern_.numBlocks(), Eigen::Matrix3d::Zero());
+  Eigen::Matrix3Xd room(3, largest_cell_);
+  for (const PackedCell& cell : cells_) {
+    const Eigen::MatrixXd tangent = exactTangent(*measure_, view(cell), gather(cell, positions, room));
+    const int* blocks = &cell_blocks_[cell.first_block];
+    for (int a = 0; a < cell.num_vertices; ++a) {
+      for (int b = 0; b <= a; ++b) matrix[*blocks++] += tangent.block<3, 3>(3 * a, 3 * b);
     }
-    const Eigen::Matrix3d U = R.transpose() * F;
-    Eigen::Matrix3d stress = mu_ * (U + U.transpose());
-    stress.diagonal().array() += lambda_ * (U.trace() - 3) - 2 * mu_;
-    stress *= cell.volume;
-    for (int i = 0; i < 4; ++i) work.forces.col(i).noalias() = stress * gradients_.col(cell.first_vertex + i);
-    return;
   }
-  const int* const vertices = &cell_vertices_[cell.first_vertex];
-  for (int i = 0; i < cell.num_vertices; ++i) {
-    work.back.col(i).noalias() = R.transpose() * work.positions.col(i);
-    work.back.col(i) -= rest_positions_.col(vertices[i]) - rest_positions_.col(vertices[0]);
-  }
-  const int num_dofs = 3 * cell.num_vertices;
-  const Eigen::Map<const Eigen::VectorXd> u(work.back.data(), num_dofs);
-  Eigen::Map<Eigen::VectorXd>(work.forces.data(), num_dofs).noalias() = elements_[cell.cell].stiffness * u;
 }
 
 void Assembly::internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, Eigen::Matrix3Xd& forces) {
@@ -288,10 +306,11 @@ void Assembly::internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& position
   forces.setZero(3, numVertices());
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     const PackedCell& cell = cells_[c];
-    gather(cell, positions, work_);
-    cellForces(cell, rotations_[c], work_);
+    auto cell_forces = cell_forces_.leftCols(cell.num_vertices);
+    cell_forces.setZero();
+    addForces(linearisations_[c], view(cell), gather(cell, positions, gathered_), work_, cell_forces);
     for (int i = 0; i < cell.num_vertices; ++i) {
-      forces.col(cell_vertices_[cell.first_vertex + i]).noalias() += rotations_[c] * work_.forces.col(i);
+      forces.col(cell_vertices_[cell.first_vertex + i]) += cell_forces.col(i);
     }
   }
 }
@@ -303,7 +322,7 @@ void Assembly::multiplyMass(const Eigen::Ref<const Eigen::Matrix3Xd>& values,
   for (int column = 0; column < numVertices(); ++column) {
     const int diagonal = pattern_.column_start[column];
     result.col(column) += block_masses_[diagonal] * values.col(column);
-    if (!config_.consistent_mass) continue;
+    if (!kinds_.front().element.consistent_mass) continue;
     for (int k = diagonal + 1; k < pattern_.column_start[column + 1]; ++k) {
       result.col(pattern_.row[k]) += block_masses_[k] * values.col(column);
       result.col(column) += block_masses_[k] * values.col(pattern_.row[k]);
@@ -314,16 +333,10 @@ void Assembly::multiplyMass(const Eigen::Ref<const Eigen::Matrix3Xd>& values,
 double Assembly::elasticEnergy(const Eigen::Ref<const Eigen::Matrix3Xd>& positions) const {
   POLYSCALPEL_ASSERT(positions.cols() == numVertices());
   double energy = 0;
-  Workspace work(static_cast<int>(work_.positions.cols()));
+  CellWorkspace work(largest_cell_);
+  Eigen::Matrix3Xd room(3, largest_cell_);
   for (const PackedCell& cell : cells_) {
-    gather(cell, positions, work);
-    const Eigen::Matrix3d R = config_.corotated ? rotation(cell, work) : Eigen::Matrix3d::Identity();
-    cellForces(cell, R, work);
-    const int* const vertices = &cell_vertices_[cell.first_vertex];
-    for (int i = 0; i < cell.num_vertices; ++i) {
-      const Eigen::Vector3d rest = rest_positions_.col(vertices[i]) - rest_positions_.col(vertices[0]);
-      energy += 0.5 * (R.transpose() * work.positions.col(i) - rest).dot(work.forces.col(i));
-    }
+    energy += polyscalpel::elasticEnergy(*measure_, view(cell), gather(cell, positions, room), work);
   }
   return energy;
 }

@@ -12,8 +12,9 @@
 #include "polyscalpel/elements/assembly.hpp"
 #include "polyscalpel/mesh/mesh_generation.hpp"
 #include "polyscalpel/mesh/surface.hpp"
+#include "polyscalpel/simulation/equilibrium.hpp"
+#include "polyscalpel/simulation/regions.hpp"
 #include "polyscalpel/simulation/simulation_state.hpp"
-#include "polyscalpel/simulation/static_solution.hpp"
 #include "polyscalpel/simulation/time_integration.hpp"
 
 namespace polyscalpel {
@@ -26,10 +27,11 @@ struct MeshMaker {
   MeshFile operator()(const BoxMeshConfig& box) const {
     return {box.tetrahedra ? makeTetBox(box.lowest_m, box.size_m, box.counts)
                            : makeHexBox(box.lowest_m, box.size_m, box.counts),
+            {},
             {}};
   }
   MeshFile operator()(const BallMeshConfig& ball) const {
-    return {makeTetBall(ball.centre_m, ball.radius_m, ball.half_count), {}};
+    return {makeTetBall(ball.centre_m, ball.radius_m, ball.half_count), {}, {}};
   }
   MeshFile operator()(const MeshFileConfig& file) const { return readMesh(file); }
 };
@@ -79,6 +81,19 @@ void requirePose(std::size_t tool, const Eigen::Isometry3d& pose) {
   }
 }
 
+const char* nameOf(AnalysisMode mode) {
+  switch (mode) {
+    case AnalysisMode::kDynamic:
+      return "dynamics";
+    case AnalysisMode::kQuasiStatic:
+      return "quasi-statics";
+    case AnalysisMode::kStatic:
+      return "statics";
+  }
+  POLYSCALPEL_ASSERT(false);
+  return "";
+}
+
 double pointEnergy(const Eigen::Matrix3Xd& momenta, const SimulationState& state,
                    const Eigen::VectorXd& masses, const Eigen::Vector3d& gravity) {
   double energy = 0;
@@ -113,6 +128,7 @@ struct Simulation::Impl {
   int cells_left_whole = 0;
   bool static_solution_stands = false;
   double static_residual = 0;
+  std::optional<StressField> stress;
 
   explicit Impl(const SimulationConfig& given) : config(given) {
     validate(config);
@@ -121,8 +137,9 @@ struct Simulation::Impl {
     pristine_mesh = std::move(file.mesh);
     rest_volume = volume(pristine_mesh, pristine_mesh.restPositions());
     pristine_state = makeRestState(pristine_mesh, config.fixed);
-    pristine_assembly.emplace(pristine_mesh, config.material, config.element, config.integration.mass_floor);
-    parts = {"mesh", "elements", isDynamic() ? "dynamics" : "statics"};
+    pristine_assembly.emplace(pristine_mesh, makeCellKinds(pristine_mesh, config, file.region_names),
+                              config.integration.mass_floor);
+    parts = {"mesh", "elements", nameOf(config.integration.mode)};
     bool has_shape = false;
     for (const ToolConfig& tool_config : config.tools) {
       Tool tool;
@@ -136,6 +153,7 @@ struct Simulation::Impl {
     if (has_shape) parts.push_back("contact");
     if (config.cutting) parts.push_back("cutting");
     if (!tools.empty()) parts.push_back("tools");
+    if (config.stress) parts.push_back("stress");
     reset();
   }
 
@@ -151,6 +169,7 @@ struct Simulation::Impl {
     num_cuts = 0;
     cells_left_whole = 0;
     static_solution_stands = false;
+    stress.reset();
     if (isDynamic()) integrator.emplace(config.integration);
     if (hasContact()) surface.emplace(mesh, state.positions);
     for (std::size_t i = 0; i < tools.size(); ++i) {
@@ -172,8 +191,15 @@ struct Simulation::Impl {
                                     const Eigen::Matrix3Xd& positions_start, const Eigen::Isometry3d& T_start,
                                     const Eigen::Isometry3d& T_end) const;
   Eigen::Vector3d bladeMiddle(int tool) const { return config.tools[tool].blade_edge_tool->rowwise().mean(); }
+  bool hasBlade() const {
+    return std::any_of(tools.begin(), tools.end(), [](const Tool& tool) { return tool.blade.has_value(); });
+  }
+  void finishMotion(const std::vector<LinearisedContact>& contacts,
+                    const std::vector<Eigen::Vector3d>& forces, const ToolPoses& T_end,
+                    Eigen::Matrix3Xd& positions_start, StepReport& report);
   bool stepDynamic(const ToolPoses& T_end, StepReport& report);
-  bool stepStatic(StepReport& report);
+  bool stepStatic(const ToolPoses& T_end, StepReport& report);
+  void recoverStressWhenDue(StepReport& report);
 };
 
 // Contacts at the current positions with the tools where they will be at the end of the step, linearised. The
@@ -238,6 +264,7 @@ void Simulation::Impl::followCut(int tool, const CutResult& result) {
   num_cuts = std::max(num_cuts, result.cut);
   cells_left_whole += result.cells_left_whole;
   static_solution_stands = false;
+  stress.reset();
 }
 
 void Simulation::Impl::commit(int tool, CutResult result, Eigen::Matrix3Xd* positions_start,
@@ -302,12 +329,19 @@ void Simulation::Impl::moveBlades(const ToolPoses& T_end, Eigen::Matrix3Xd& posi
   }
 }
 
+// After the tissue has moved: forces on the tools, blades, and the tools' own poses.
+void Simulation::Impl::finishMotion(const std::vector<LinearisedContact>& contacts,
+                                    const std::vector<Eigen::Vector3d>& forces, const ToolPoses& T_end,
+                                    Eigen::Matrix3Xd& positions_start, StepReport& report) {
+  applyContactForces(contacts, forces, T_end, report);
+  if (hasBlade()) moveBlades(T_end, positions_start, report);
+  for (std::size_t i = 0; i < tools.size(); ++i) tools[i].T_world_tool = T_end[i];
+}
+
 bool Simulation::Impl::stepDynamic(const ToolPoses& T_end, StepReport& report) {
   const std::vector<LinearisedContact> contacts = findContacts(T_end, report);
-  bool has_blade = false;
-  for (const Tool& tool : tools) has_blade = has_blade || tool.blade;
   Eigen::Matrix3Xd positions_start;
-  if (has_blade) positions_start = state.positions;
+  if (hasBlade()) positions_start = state.positions;
   const IntegrationResult result = integrator->step(state, *assembly, contacts);
   report.relative_residual = result.relative_residual;
   report.solves = result.solves;
@@ -318,31 +352,43 @@ bool Simulation::Impl::stepDynamic(const ToolPoses& T_end, StepReport& report) {
     report.message = toString(result.status);
     return false;
   }
-  applyContactForces(contacts, result.contact_forces, T_end, report);
-  if (has_blade) moveBlades(T_end, positions_start, report);
-  for (std::size_t i = 0; i < tools.size(); ++i) tools[i].T_world_tool = T_end[i];
+  finishMotion(contacts, result.contact_forces, T_end, positions_start, report);
   return true;
 }
 
 // Nothing moves in a static scene but by a cut, so the solution stands until the next one.
-bool Simulation::Impl::stepStatic(StepReport& report) {
-  if (!static_solution_stands) {
-    const Eigen::Matrix3Xd weights = config.integration.gravity_m_s2 * assembly->vertexMasses().transpose();
-    const StaticSolution solution = solveStatic(mesh, *assembly, state.fixed, weights);
-    report.times.assembly_s = solution.assembly_s;
-    report.times.solve_s = solution.solve_s;
-    report.solves = 1;
-    report.relative_residual = solution.relative_residual;
-    if (solution.status != SolveStatus::kSolved) {
-      report.message = solution.message;
-      return false;
-    }
-    state.positions = mesh.restPositions() + solution.displacements;
-    static_solution_stands = true;
-    static_residual = solution.relative_residual;
+bool Simulation::Impl::stepStatic(const ToolPoses& T_end, StepReport& report) {
+  if (config.integration.mode == AnalysisMode::kStatic && static_solution_stands) {
+    report.relative_residual = static_residual;
+    return true;
   }
-  report.relative_residual = static_residual;
+  const std::vector<LinearisedContact> contacts = findContacts(T_end, report);
+  Eigen::Matrix3Xd positions_start = state.positions;
+  const Eigen::Matrix3Xd weights = config.integration.gravity_m_s2 * assembly->vertexMasses().transpose();
+  const EquilibriumResult result =
+      findEquilibrium(mesh, *assembly, state.fixed, weights, contacts, config.integration, state.positions);
+  report.relative_residual = result.relative_residual;
+  report.solves = result.iterations;
+  report.iterations = result.iterations;
+  report.times.assembly_s = result.assembly_s;
+  report.times.solve_s = result.solve_s;
+  report.times.contact_s += result.contact_s;
+  if (!result.converged) {
+    report.message = result.message;
+    return false;
+  }
+  static_solution_stands = true;
+  static_residual = result.relative_residual;
+  if (config.integration.mode == AnalysisMode::kStatic) return true;
+  state.velocities = (state.positions - positions_start) / config.integration.time_step_s;
+  finishMotion(contacts, result.contact_forces, T_end, positions_start, report);
   return true;
+}
+
+void Simulation::Impl::recoverStressWhenDue(StepReport& report) {
+  if (!config.stress || step_count % config.stress->interval_steps != 0) return;
+  const StageTimer timer(report.times.stress_s);
+  stress = recoverStress(mesh, *assembly, state.positions);
 }
 
 Simulation::Simulation(const SimulationConfig& config) : impl_(std::make_unique<Impl>(config)) {}
@@ -371,8 +417,12 @@ StepReport Simulation::step(const std::vector<std::optional<Eigen::Isometry3d>>&
       report.tools[i].reseated = !T_start || longestWay(s.tools[i], s.config.tools[i], *T_start,
                                                         *T_world_tool[i]) > s.config.tools[i].max_jump_m;
     }
-    report.converged = s.isDynamic() ? s.stepDynamic(T_world_tool, report) : s.stepStatic(report);
-    if (report.converged) ++s.step_count;
+    report.converged =
+        s.isDynamic() ? s.stepDynamic(T_world_tool, report) : s.stepStatic(T_world_tool, report);
+    if (report.converged) {
+      ++s.step_count;
+      s.recoverStressWhenDue(report);
+    }
   }
   return report;
 }
@@ -439,6 +489,10 @@ double Simulation::totalEnergy_j() const {
   s.assembly->multiplyMass(s.state.velocities, momenta);
   return s.assembly->elasticEnergy(s.state.positions) +
          pointEnergy(momenta, s.state, s.assembly->vertexMasses(), s.config.integration.gravity_m_s2);
+}
+
+const StressField* Simulation::stressField() const {
+  return impl_->stress ? &*impl_->stress : nullptr;
 }
 
 const std::vector<std::string>& Simulation::parts() const {

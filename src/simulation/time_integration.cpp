@@ -1,49 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polyscalpel/simulation/time_integration.hpp"
 
+#include "contact_terms.hpp"
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/core/stage_timer.hpp"
 
 namespace polyscalpel {
 
-namespace {
-
-Eigen::Vector3d contactVelocity(const Contact& contact, const Eigen::Matrix3Xd& velocities) {
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-  for (const WeightedVertex& w : contact.weights) velocity += w.weight * velocities.col(w.vertex.index());
-  return velocity;
-}
-
-}  // namespace
-
-// f_int(x) + (h + b) K v is the force at x + (h + b) v under the same rotations: K v costs nothing of its
+// f_int(x) + (h + b) K v is the force at x + (h + b) v by the same linearisation: K v costs nothing of its
 // own.
 void ImplicitEuler::prepareSystem(const SimulationState& state, Assembly& assembly, bool matrix_stands) {
   const double h = config_.time_step_s, a = config_.mass_damping_per_s, b = config_.stiffness_damping_s;
-  assembly.updateRotations(state.positions);
+  assembly.linearise(state.positions);
   if (!matrix_stands) assembly.assemble(1 + h * a, h * (h + b), matrix_);
   work_ = state.positions + (h + b) * state.velocities;
   assembly.internalForces(work_, forces_);
   work_ = (-a * state.velocities).colwise() + config_.gravity_m_s2;
   assembly.multiplyMass(work_, rhs_);
   rhs_ = h * (rhs_ - forces_);
-}
-
-void ImplicitEuler::addContact(const LinearisedContact& contact, const SimulationState& state,
-                               const BlockPattern& pattern, Blocks& matrix, Eigen::Matrix3Xd& rhs) const {
-  const double h = config_.time_step_s;
-  const std::vector<WeightedVertex>& weights = contact.contact.weights;
-  const Eigen::Vector3d force = contactForce(contact, contactVelocity(contact.contact, state.velocities));
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    const int vertex = weights[i].vertex.index();
-    rhs.col(vertex) += h * weights[i].weight * force;
-    for (std::size_t j = 0; j < weights.size(); ++j) {
-      if (weights[j].vertex.index() > vertex) continue;  // B is symmetric: blocks on and below the diagonal
-      const int block = pattern.find(vertex, weights[j].vertex.index());
-      POLYSCALPEL_ASSERT(block >= 0);
-      matrix[block] += h * weights[i].weight * weights[j].weight * contact.B;
-    }
-  }
 }
 
 IntegrationResult ImplicitEuler::step(SimulationState& state, Assembly& assembly,
@@ -60,7 +34,7 @@ IntegrationResult ImplicitEuler::step(SimulationState& state, Assembly& assembly
       is_analysed_ = true;
     }
   }
-  const bool matrix_stands = !assembly.isCorotated() && factor_is_plain_;
+  const bool matrix_stands = assembly.hasConstantStiffness() && factor_is_plain_;
   {
     const StageTimer timer(result.assembly_s);
     prepareSystem(state, assembly, matrix_stands && contacts.empty());
@@ -72,7 +46,12 @@ IntegrationResult ImplicitEuler::step(SimulationState& state, Assembly& assembly
       contact_matrix_ = matrix_;
       contact_rhs_ = rhs_;
       for (std::size_t c = 0; c < contacts.size(); ++c) {
-        if (acts[c]) addContact(contacts[c], state, assembly.pattern(), contact_matrix_, contact_rhs_);
+        if (!acts[c]) continue;
+        const Contact& contact = contacts[c].contact;
+        const double h = config_.time_step_s;
+        addContactMatrix(contacts[c], h, assembly.pattern(), contact_matrix_);
+        addAtContact(contact, h * contactForce(contacts[c], atContact(contact, state.velocities)),
+                     contact_rhs_);
       }
     }
     {
@@ -95,7 +74,7 @@ IntegrationResult ImplicitEuler::step(SimulationState& state, Assembly& assembly
     bool again = false;
     for (std::size_t c = 0; c < contacts.size(); ++c) {
       if (!acts[c]) continue;
-      result.contact_forces[c] = contactForce(contacts[c], contactVelocity(contacts[c].contact, work_));
+      result.contact_forces[c] = contactForce(contacts[c], atContact(contacts[c].contact, work_));
       if (result.contact_forces[c].dot(contacts[c].contact.normal_world) >= 0) continue;
       if (result.solves >= config_.contact_iterations) continue;
       acts[c] = false;

@@ -67,7 +67,8 @@ class Assembly {
   void assembleExactTangent(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, Blocks& matrix) const;
 
   /// Minus the elastic force on the vertices by the last linearisation: at the positions of that, and with
-  /// exact_force, the gradient of elasticEnergy(); elsewhere linear in the positions. forces: resized and set.
+  /// exact_force, the gradient of elasticEnergy(); elsewhere linear in the positions. forces: resized and
+  /// set.
   void internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, Eigen::Matrix3Xd& forces);
 
   /// M v. values, result: 3 x n; result is resized and set.

@@ -52,6 +52,8 @@ class StrainMeasure {
   /// Cauchy stress in the world frame [Pa].
   virtual Eigen::Matrix3d cauchyStress(const Eigen::Matrix3d& F, const Eigen::Matrix3d& R,
                                        const LameModuli& moduli) const = 0;
+  /// The measure's strain, turned into the world frame.
+  virtual Eigen::Matrix3d strain(const Eigen::Matrix3d& F, const Eigen::Matrix3d& R) const = 0;
 };
 
 /// Each lives for ever.

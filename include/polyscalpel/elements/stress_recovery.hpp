@@ -18,15 +18,17 @@ namespace polyscalpel {
 using SymmetricTensors = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
 struct StressField {
-  std::vector<CellId> cells;          ///< alive, ascending
-  SymmetricTensors cell_stresses;     ///< 6 x cells: Cauchy stress of the mean strain, world frame [Pa]
-  SymmetricTensors cell_strains;      ///< 6 x cells: small or Green strain, world frame (yz: eps_yz, not 2 eps_yz)
+  std::vector<CellId> cells;       ///< alive, ascending
+  SymmetricTensors cell_stresses;  ///< 6 x cells: Cauchy stress of the mean strain, world frame [Pa]
+  SymmetricTensors
+      cell_strains;  ///< 6 x cells: small or Green strain, world frame (yz: eps_yz, not 2 eps_yz)
   /// 6 x numVertices() [Pa]: means over the cells around, weighted by what each gives to the vertex's volume.
   /// At a vertex between materials the mean over all of them, for colours; the error estimate smooths each
   /// material for itself.
   SymmetricTensors vertex_stresses;
-  Eigen::VectorXd cell_errors;        ///< by cell [sqrt(J)]: energy norm of smoothed minus cell stress
-  /// sqrt(sum of squared cell errors / (that + twice the strain energy)), in [0, 1]; 0 for a stress-free body.
+  Eigen::VectorXd cell_errors;  ///< by cell [sqrt(J)]: energy norm of smoothed minus cell stress
+  /// sqrt(sum of squared cell errors / (that + twice the strain energy)), in [0, 1]; 0 for a stress-free
+  /// body.
   double relative_error = 0;
 };
 

@@ -17,11 +17,12 @@ namespace polyscalpel {
 /// An equilibrium of the elastic forces with given ones.
 struct EquilibriumResult {
   bool converged = false;
-  std::string message;           ///< why, when not converged
+  std::string message;                        ///< why, when not converged
   SolveStatus status = SolveStatus::kSolved;  ///< of the last linear solve
-  double relative_residual = 0;  ///< |f_int - f_ext - f_contact| / (|f_ext| + |f_contact|) over the free vertices
-  int iterations = 0;            ///< Newton steps
-  int fallbacks = 0;             ///< of these, with the positive semidefinite tangent
+  double relative_residual =
+      0;               ///< |f_int - f_ext - f_contact| / (|f_ext| + |f_contact|) over the free vertices
+  int iterations = 0;  ///< Newton steps
+  int fallbacks = 0;   ///< of these, with the positive semidefinite tangent
   /// Force on the tissue of each contact handed in [N]; zero for one that was let go.
   std::vector<Eigen::Vector3d> contact_forces;
   double assembly_s = 0;  ///< wall time, as in StageTimes
@@ -38,13 +39,10 @@ struct EquilibriumResult {
 ///
 /// positions: start, 3 x n [m], and result; left as they were unless converged. forces: f, 3 x n [N]. A piece
 /// that its fixed vertices do not hold has no equilibrium: the message names it.
-EquilibriumResult findEquilibrium(const PolyhedralMesh& mesh, Assembly& assembly, const std::vector<bool>& fixed,
+EquilibriumResult findEquilibrium(const PolyhedralMesh& mesh, Assembly& assembly,
+                                  const std::vector<bool>& fixed,
                                   const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
                                   const std::vector<LinearisedContact>& contacts,
                                   const IntegrationConfig& config, Eigen::Matrix3Xd& positions);
-
-/// Names the first piece that its fixed vertices do not hold, because they are fewer than three or in line;
-/// empty where all are held.
-std::string findLoosePiece(const PolyhedralMesh& mesh, const std::vector<bool>& fixed);
 
 }  // namespace polyscalpel

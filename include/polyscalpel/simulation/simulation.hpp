@@ -11,6 +11,7 @@
 
 #include "polyscalpel/collision/contact_forces.hpp"
 #include "polyscalpel/cutting/cut_mesh.hpp"
+#include "polyscalpel/elements/stress_recovery.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
 #include "polyscalpel/simulation/simulation_config.hpp"
 
@@ -24,6 +25,7 @@ struct StageTimes {
   double solve_s = 0;      ///< factorisation and solution
   double cutting_s = 0;    ///< crossings and splits
   double update_s = 0;     ///< matrices, pattern and surface after a cut
+  double stress_s = 0;     ///< stress and error estimate
   double total_s = 0;      ///< the whole step
 };
 
@@ -58,10 +60,12 @@ struct CutEvent {
 };
 
 struct StepReport {
-  bool converged = true;         ///< false: the solver failed, the state is as before the step
-  std::string message;           ///< why, when not converged
-  double relative_residual = 0;  ///< |A dv - b| / |b| of the last solve
+  bool converged = true;  ///< false: the solver failed, the state is as before the step
+  std::string message;    ///< why, when not converged
+  /// |A dv - b| / |b| of the last solve; in the static modes EquilibriumResult::relative_residual.
+  double relative_residual = 0;
   int solves = 0;
+  int iterations = 0;  ///< Newton steps of the static modes
   StageTimes times;
   std::vector<ToolReport> tools;  ///< one a tool of the config
   std::vector<AppliedContact> contacts;
@@ -108,8 +112,11 @@ class Simulation {
   int cellsLeftWhole() const;    ///< summed over these cuts
   double addedMass_kg() const;   ///< by the mass floor
   double totalEnergy_j() const;  ///< kinetic + elastic + gravity
-  /// Names of the parts built for this scene, of "mesh", "elements", "dynamics", "statics", "contact",
-  /// "cutting", "tools".
+  /// Stress as last computed, on the mesh as it was then; nullptr before that, after a cut until the next
+  /// time, and in a scene without StressConfig. Valid until the next step, cut or reset.
+  const StressField* stressField() const;
+  /// Names of the parts built for this scene, of "mesh", "elements", "dynamics", "statics",
+  /// "quasi-statics", "contact", "cutting", "tools", "stress".
   const std::vector<std::string>& parts() const;
   /// What a user should know about the mesh file.
   const std::vector<std::string>& remarks() const;

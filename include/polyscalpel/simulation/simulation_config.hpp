@@ -89,7 +89,7 @@ struct IntegrationConfig {
   int contact_iterations = 3;  ///< in [1, 20]: solves a step, at most, to let go of contacts that would pull
   double equilibrium_tolerance = 1e-6;  ///< in [1e-12, 0.1]: static modes; residual over the applied forces
   int equilibrium_iterations = 50;      ///< in [1, 1000]: static modes; Newton steps at most
-  double mass_floor = 0.02;    ///< in [0, 1]: lowest vertex mass as a part of the median rest mass
+  double mass_floor = 0.02;             ///< in [0, 1]: lowest vertex mass as a part of the median rest mass
 };
 
 struct ToolConfig {
@@ -120,8 +120,8 @@ struct SimulationConfig {
 };
 
 /// Throws std::invalid_argument with the field's path, value and range; also for two tools of one name, a
-/// blade without cutting, two regions of one name, a static or quasi-static scene with nothing fixed, a static
-/// one with contact or tools.
+/// blade without cutting, two regions of one name, a static or quasi-static scene with nothing fixed, a
+/// static one with contact or tools.
 void validate(const SimulationConfig& config);
 
 }  // namespace polyscalpel

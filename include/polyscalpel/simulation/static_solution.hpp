@@ -23,8 +23,8 @@ struct StaticSolution {
 
 /// Small-strain linear statics K u = F around the rest shape, u = 0 at fixed vertices. forces: F, 3 x n, one
 /// column per vertex [N]. A piece that its fixed vertices do not hold (none, or all on one line) has no
-/// solution: the status is then kNotPositiveDefinite and the message names the piece. Sets the assembly's
-/// rotations to identity.
+/// solution: the status is then kNotPositiveDefinite and the message names the piece. Linearises the
+/// assembly around the rest shape.
 StaticSolution solveStatic(const PolyhedralMesh& mesh, Assembly& assembly, const std::vector<bool>& fixed,
                            const Eigen::Ref<const Eigen::Matrix3Xd>& forces);
 

@@ -31,8 +31,8 @@ struct IntegrationResult {
 ///   (M + h D + h^2 K + sum h J^T B J) dv = h (f_ext - f_int(x) - D v - h K v + sum J^T (f_0 - B J v)),
 ///   v += dv,  x += h v,
 ///
-/// J taking the vertices' velocities to a contact point's. Without corotation and contacts the matrix stays
-/// the same and is factored once.
+/// J taking the vertices' velocities to a contact point's. Where the stiffness is constant and nothing
+/// touches, the matrix stays the same and is factored once.
 class ImplicitEuler {
  public:
   /// config: valid. The object keeps what belongs to one pattern and one set of fixed vertices; see
@@ -45,14 +45,12 @@ class ImplicitEuler {
   /// One step. Vertices of a contact belong to one face. Contacts whose solved force pulls (normal . force <
   /// 0) are let go and the step is solved again, IntegrationConfig::contact_iterations solves at most; one
   /// that still pulls then acts as solved. The state is as it was unless the status is kSolved. Changes the
-  /// assembly's rotations only.
+  /// assembly's linearisation only.
   IntegrationResult step(SimulationState& state, Assembly& assembly,
                          const std::vector<LinearisedContact>& contacts);
 
  private:
   void prepareSystem(const SimulationState& state, Assembly& assembly, bool matrix_stands);
-  void addContact(const LinearisedContact& contact, const SimulationState& state, const BlockPattern& pattern,
-                  Blocks& matrix, Eigen::Matrix3Xd& rhs) const;
 
   IntegrationConfig config_;
   DirectSolver solver_;
