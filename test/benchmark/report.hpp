@@ -26,7 +26,6 @@ struct Context {
   Mode mode = Mode::kDefault;
   std::string bunny_mesh;  ///< path of the bunny as a volume mesh; empty: it could not be had
   std::string bunny_note;  ///< how the bunny was made, or why it is not there
-  std::string test_meshes;  ///< folder with beam10k and bunny8k; empty: none
   Progress* progress = nullptr;
 
   /// One of three values by mode.
