@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "support/manufactured_solution.hpp"
+
+#include <string>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+namespace polyscalpel {
+namespace {
+
+// Sanitisers slow the larger sizes down tenfold.
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool kAllSizes = false;
+#else
+constexpr bool kAllSizes = true;
+#endif
+
+TEST(ManufacturedSolution, BodyForceIsTheDivergenceOfItsStress) {
+  const ManufacturedSolution exact;
+  const double lambda = lameLambda(exact.material), mu = shearModulus(exact.material);
+  const auto stress = [&](const Eigen::Vector3d& x) {
+    const Eigen::Matrix3d strain = 0.5 * (exact.gradient(x) + exact.gradient(x).transpose());
+    return Eigen::Matrix3d(lambda * strain.trace() * Eigen::Matrix3d::Identity() + 2 * mu * strain);
+  };
+  constexpr double kStep = 1e-5;
+  for (const Eigen::Vector3d& x : {Eigen::Vector3d(0.2, 0.7, 0.4), Eigen::Vector3d(0.9, 0.35, 0.55)}) {
+    Eigen::Vector3d divergence = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d gradient;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(axis);
+      divergence += (stress(x + step) - stress(x - step)).col(axis) / (2 * kStep);
+      gradient.col(axis) = (exact.displacement(x + step) - exact.displacement(x - step)) / (2 * kStep);
+    }
+    EXPECT_LT((exact.bodyForce(x) + divergence).norm(), 1e-8 * divergence.norm());
+    EXPECT_LT((exact.gradient(x) - gradient).norm(), 1e-8 * gradient.norm());
+  }
+}
+
+struct NamedFormulation {
+  std::string name;
+  ElementConfig config;
+};
+NamedFormulation formulation(int which) {
+  NamedFormulation result{"mean value, 4 points", {}};
+  if (which == 1) {
+    result.name = "mean value, 1 point";
+    result.config.quadrature_points = 1;
+  } else if (which == 2) {
+    result.name = "virtual element";
+    result.config.formulation = Formulation::kVirtual;
+  }
+  return result;
+}
+
+class Convergence : public testing::TestWithParam<std::tuple<BodyKind, int>> {};
+
+// First-order elements: the error falls with h^2 in L2, with h in energy (S. C. Brenner, L. R. Scott, "The
+// Mathematical Theory of Finite Element Methods", 2008, chapter 5).
+TEST_P(Convergence, HasTheOrdersOfFirstOrderElements) {
+  const auto [kind, which] = GetParam();
+  const NamedFormulation element = formulation(which);
+  const std::vector<int> sizes = kAllSizes ? std::vector<int>{6, 8, 12} : std::vector<int>{4, 6, 8};
+  const ConvergenceStudy study = studyConvergence(kind, sizes, element.config);
+  for (const ConvergencePoint& point : study.points) {
+    RecordProperty("errors_of_" + std::to_string(point.unknowns),
+                   std::to_string(point.l2_error) + " " + std::to_string(point.energy_error));
+  }
+  const double tolerance = isSliced(kind) ? 0.2 : 0.1;
+  EXPECT_NEAR(study.l2_order, 2, tolerance) << toString(kind) << ", " << element.name;
+  EXPECT_NEAR(study.energy_order, 1, tolerance) << toString(kind) << ", " << element.name;
+}
+
+// A tetrahedron is the same under every formulation.
+INSTANTIATE_TEST_SUITE_P(Tetrahedra, Convergence, testing::Values(std::make_tuple(BodyKind::kTetrahedra, 0)));
+INSTANTIATE_TEST_SUITE_P(Polyhedra, Convergence,
+                         testing::Combine(testing::Values(BodyKind::kHexahedra, BodyKind::kVoronoi,
+                                                          BodyKind::kSlicedHexahedra,
+                                                          BodyKind::kSlicedTetrahedra),
+                                          testing::Range(0, 3)));
+
+}  // namespace
+}  // namespace polyscalpel
