@@ -3,6 +3,7 @@
 // The same cut body as polyhedra and as tetrahedra.
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <memory>
 
 #include "benchmark/cut_bodies.hpp"
@@ -23,7 +24,7 @@ struct Variant {
   std::string name;
   PolyhedralMesh mesh;
   std::vector<bool> fixed;
-  Row row;
+  Row row = Row::object();
   // For the timing of steps.
   std::unique_ptr<Assembly> assembly;
   std::unique_ptr<ImplicitEuler> integrator;
@@ -121,12 +122,12 @@ Rows studyBody(const CutBody& body, const Context& context) {
     if (rule == Retessellation::kFewest) fewest = std::move(tetrahedra);
   }
   progress.beginTask(body.name + ", reference");
-  Row reference_row;
+  Row reference_row = Row::object();
   const double reference_sag = findReference(body, context, fewest, reference_row);
 
   for (Variant& variant : variants) {
     progress.beginTask(body.name + ", " + variant.name);
-    Row values;
+    Row values = Row::object();
     values["body"] = body.name;
     values["method"] = variant.name;
     values["cuts"] = body.cuts;
@@ -172,8 +173,15 @@ Rows studyCutting(const Context& context) {
   Rows rows;
   const auto study = [&](const std::string& name, const auto& make) {
     context.progress->beginTask(name + ", cuts");
-    const Rows of_body = studyBody(make(), context);
-    rows.insert(rows.end(), of_body.begin(), of_body.end());
+    try {
+      const Rows of_body = studyBody(make(), context);
+      rows.insert(rows.end(), of_body.begin(), of_body.end());
+    } catch (const std::exception& error) {  // the other bodies' rows are not lost
+      Row row;
+      row["body"] = name;
+      holdFailed(row, error.what());
+      rows.push_back(row);
+    }
   };
   study("block", [] { return makeCutBlock(3); });
   study("ball", [&] { return makeCutBall(context.byMode(3, 6, 6), context.byMode(5, 17, 17)); });
