@@ -13,7 +13,7 @@ namespace polyscalpel {
 namespace {
 
 /// With this, a cube's S has the trace that mean value coordinates with four points give it.
-constexpr double kScaleOfCube = 0.05;
+constexpr double kScaleOfCube = 0.0854;
 
 /// The field that is linear on every sub-tet (vertex mean, surface triangle), its value at the vertex mean
 /// being the mean of all vertices': integrals of its shape functions are exact on linear fields, and never

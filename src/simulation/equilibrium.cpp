@@ -18,6 +18,9 @@ constexpr double kSufficientDecrease = 1e-4;
 constexpr int kMostHalvings = 40;
 /// A gain expected below this part of the potential drowns in its rounding.
 constexpr double kPotentialRounding = 1e-11;
+/// A step of no vertex longer than this, in body sizes, is rounding: the equilibrium is as good as numbers
+/// allow, also where there is no force to compare the residual with.
+constexpr double kShortestStep = 1e-12;
 
 class NewtonSearch {
  public:
@@ -186,6 +189,8 @@ bool NewtonSearch::run(Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& start) {
     }
     if (result_.status != SolveStatus::kSolved) return fail(toString(result_.status));
     ++result_.iterations;
+    const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
+    if (step_.cwiseAbs().maxCoeff() <= kShortestStep * size) return true;
     if (!descend(x, start)) return false;
     setResidual(x, start);
   }

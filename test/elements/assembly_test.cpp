@@ -46,8 +46,8 @@ Eigen::Matrix3d someRotation() {
   return Eigen::AngleAxisd(2.3, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
 }
 
-// f = sum R K (R^T x - X) and its matrix sum R K R^T, cell by cell and dense, straight from the element's
-// matrices.
+// Plain stiffness warping: f = sum R K (R^T x - X) and its matrix sum R K R^T, cell by cell and dense,
+// straight from the element's matrices.
 void assembleDense(const PolyhedralMesh& mesh, const ElementConfig& config, const Eigen::Matrix3Xd& positions,
                    Eigen::MatrixXd& matrix, Eigen::VectorXd& forces) {
   matrix.setZero(3 * mesh.numVertices(), 3 * mesh.numVertices());
@@ -63,12 +63,14 @@ void assembleDense(const PolyhedralMesh& mesh, const ElementConfig& config, cons
     const Eigen::Matrix3Xd x = positions(Eigen::all, vertices);
     const Eigen::Matrix3Xd X = mesh.restPositions()(Eigen::all, vertices);
     Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-    if (config.corotated) R = polarRotation(meanDeformationGradient(x, element.mean_gradient));
+    if (config.strain == Strain::kCorotated)
+      R = polarRotation(meanDeformationGradient(x, element.mean_gradient));
     Eigen::MatrixXd rotation = Eigen::MatrixXd::Zero(dofs.size(), dofs.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) rotation.block<3, 3>(3 * i, 3 * i) = R;
     const Eigen::Matrix3Xd u = R.transpose() * x - X;
-    matrix(dofs, dofs) += rotation * element.stiffness * rotation.transpose();
-    forces(dofs) += rotation * (element.stiffness * Eigen::VectorXd(u.reshaped()));
+    const Eigen::MatrixXd K = stiffness(element, kMaterial);
+    matrix(dofs, dofs) += rotation * K * rotation.transpose();
+    forces(dofs) += rotation * (K * Eigen::VectorXd(u.reshaped()));
   }
 }
 
@@ -85,15 +87,16 @@ Eigen::MatrixXd toDense(const BlockPattern& pattern, const Blocks& blocks) {
 
 TEST(Assembly, SumsTheCellsMatricesAndForces) {
   for (const PolyhedralMesh& mesh : {makeTets(), makeHexes(), makePolyhedra()}) {
-    for (const bool corotated : {true, false}) {
+    for (const Strain strain : {Strain::kCorotated, Strain::kLinear}) {
       ElementConfig config;
-      config.corotated = corotated;
+      config.strain = strain;
+      config.exact_force = false;
       Assembly assembly(mesh, kMaterial, config, 0);
       const Eigen::Matrix3Xd positions = someRotation() * shake(mesh, 0.005, 1);
       Eigen::MatrixXd matrix;
       Eigen::VectorXd expected;
       assembleDense(mesh, config, positions, matrix, expected);
-      assembly.updateRotations(positions);
+      assembly.linearise(positions);
       Blocks blocks;
       assembly.assemble(0, 1, blocks);
       Eigen::Matrix3Xd forces;
@@ -115,7 +118,7 @@ TEST(Assembly, RigidMotionGivesNoForceAndNoEnergy) {
       const Eigen::Matrix3Xd positions = (someRotation() * mesh.restPositions()).colwise() + shift;
       const double rounding = 1e-15 * (shift.norm() + positions.norm());
       Eigen::Matrix3Xd forces;
-      assembly.updateRotations(positions);
+      assembly.linearise(positions);
       assembly.internalForces(positions, forces);
       EXPECT_LT(forces.norm(), 100 * scale * rounding);
       EXPECT_LT(assembly.elasticEnergy(positions), 100 * scale * rounding * rounding);
@@ -128,7 +131,7 @@ TEST(Assembly, ForceIsLinearInPositionsUnderHeldRotations) {
   const PolyhedralMesh mesh = makePolyhedra();
   Assembly assembly(mesh, kMaterial, ElementConfig(), 0);
   const Eigen::Matrix3Xd a = shake(mesh, 0.01, 2), b = shake(mesh, 0.01, 3);
-  assembly.updateRotations(a);
+  assembly.linearise(a);
   Blocks blocks;
   assembly.assemble(0, 1, blocks);
   Eigen::Matrix3Xd force_a, force_b;
@@ -140,7 +143,7 @@ TEST(Assembly, ForceIsLinearInPositionsUnderHeldRotations) {
 
 TEST(Assembly, LinearEnergyIsTheQuadraticForm) {
   ElementConfig config;
-  config.corotated = false;
+  config.strain = Strain::kLinear;
   const PolyhedralMesh mesh = makePolyhedra();
   Assembly assembly(mesh, kMaterial, config, 0);
   const Eigen::Matrix3Xd positions = shake(mesh, 0.01, 4), u = positions - mesh.restPositions();
@@ -192,8 +195,8 @@ TEST(Assembly, FollowsACutAsIfMadeAnew) {
       EXPECT_EQ(assembly.pattern().column_start, anew.pattern().column_start);
       EXPECT_EQ(assembly.vertexMasses(), anew.vertexMasses());
       const Eigen::Matrix3Xd positions = shake(mesh, 0.003, 5);
-      assembly.updateRotations(positions);
-      anew.updateRotations(positions);
+      assembly.linearise(positions);
+      anew.linearise(positions);
       Blocks blocks, blocks_anew;
       assembly.assemble(2, 3, blocks);
       anew.assemble(2, 3, blocks_anew);

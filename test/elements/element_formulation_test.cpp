@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "polyscalpel/elements/element_matrices.hpp"
+#include "polyscalpel/elements/element_formulation.hpp"
 
 #include <cmath>
 #include <limits>
@@ -24,26 +24,43 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-const IsotropicMaterial kMaterial{2e4, 0.4, 1100};
+const IsotropicMaterial kMaterial{2e4, 0.35, 1100};
 
-/// Every kind of cell with every rule, of sizes 1e-6, 1 and 1e3 m.
+ElementConfig withPoints(int quadrature_points) {
+  ElementConfig config;
+  config.quadrature_points = quadrature_points;
+  return config;
+}
+
+/// Each formulation by what a polyhedron takes: 0 the virtual element, else the quadrature points of mean
+/// values.
+ElementConfig makeConfig(int points) {
+  ElementConfig config = withPoints(points == 0 ? 4 : points);
+  if (points == 0) config.formulation = Formulation::kVirtual;
+  config.consistent_mass = true;
+  return config;
+}
+
+/// Every kind of cell under every formulation, of sizes 1e-6, 1 and 1e3 m.
 class ElementMatricesTest : public testing::TestWithParam<std::tuple<int, int, double>> {
  protected:
   const double size_ = std::get<2>(GetParam());
   const NamedCell cell_ = makeCells()[std::get<0>(GetParam())];
   const CellSurface surface_ = transformed(cell_.surface, size_* Matrix3d::Identity(), Vector3d::Zero());
-  const ElementConfig config_{std::get<1>(GetParam()), 1, true, true};
+  const ElementConfig config_ = makeConfig(std::get<1>(GetParam()));
   const ElementMatrices element_ = makeElementMatrices(surface_, kMaterial, config_);
   const int n_ = surface_.num_vertices;
   const Matrix3Xd rest_ = surface_.points.leftCols(n_);
-  const double stiffness_norm_ = element_.stiffness.norm();
+  const MatrixXd stiffness_ = stiffness(element_, kMaterial);
+  const double stiffness_norm_ = stiffness_.norm();
 };
 
 TEST_P(ElementMatricesTest, ShapesAndVolume) {
   EXPECT_NEAR(element_.volume, volume(surface_), 1e-14 * element_.volume);
   EXPECT_EQ(element_.mean_gradient.cols(), n_);
-  EXPECT_EQ(element_.stiffness.rows(), 3 * n_);
-  EXPECT_EQ(element_.stiffness.cols(), 3 * n_);
+  const Eigen::Index num_dofs = surface_.isTetrahedron() ? 0 : 3 * n_;
+  EXPECT_EQ(element_.stabilisation.rows(), num_dofs);
+  EXPECT_EQ(element_.stabilisation.cols(), num_dofs);
   EXPECT_EQ(element_.shape_integral.size(), n_);
   EXPECT_EQ(element_.mass_integral.rows(), n_);
   EXPECT_EQ(element_.mass_integral.cols(), n_);
@@ -51,9 +68,9 @@ TEST_P(ElementMatricesTest, ShapesAndVolume) {
 
 TEST_P(ElementMatricesTest, StiffnessIsSymmetricSemidefiniteWithSixZeroModes) {
   SCOPED_TRACE(cell_.name);
-  EXPECT_EQ(element_.stiffness, element_.stiffness.transpose());
+  EXPECT_EQ(stiffness_, stiffness_.transpose());
   const VectorXd eigenvalues =
-      Eigen::SelfAdjointEigenSolver<MatrixXd>(element_.stiffness, Eigen::EigenvaluesOnly).eigenvalues();
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(stiffness_, Eigen::EigenvaluesOnly).eigenvalues();
   // Backward error of the eigenvalues: unit roundoff times the norm, a few times the dimension.
   const double rounding = 4 * n_ * std::numeric_limits<double>::epsilon() * stiffness_norm_;
   EXPECT_LE(eigenvalues.head<6>().cwiseAbs().maxCoeff(), rounding);
@@ -79,7 +96,7 @@ TEST_P(ElementMatricesTest, LinearFieldGivesTheForcesOfItsConstantStress) {
       expected.col(parent) += expected.col(n_ + i) / surface_.parents[i].size();
   }
   const Matrix3Xd displacements = gradient * rest_;
-  const VectorXd forces = element_.stiffness * displacements.reshaped();
+  const VectorXd forces = stiffness_ * displacements.reshaped();
   const double scale = stiffness_norm_ * displacements.norm();
   EXPECT_LE((forces - expected.leftCols(n_).reshaped()).norm(), 1e-14 * scale);
 }
@@ -93,7 +110,7 @@ TEST_P(ElementMatricesTest, RigidMotionGivesNoForceWhenWarped) {
       const Matrix3Xd positions = (Q * rest_).colwise() + size_ * Vector3d(0.3, -0.2, 0.5);
       const Matrix3d R = polarRotation(meanDeformationGradient(positions, element_.mean_gradient));
       const Matrix3Xd warped = R.transpose() * positions - rest_;
-      const Matrix3Xd forces = R * (element_.stiffness * warped.reshaped()).reshaped(3, n_);
+      const Matrix3Xd forces = R * (stiffness_ * warped.reshaped()).reshaped(3, n_);
       ASSERT_LE(forces.norm(), 1e-12 * stiffness_norm_ * positions.norm()) << degrees;
     }
   }
@@ -141,9 +158,9 @@ TEST_P(ElementMatricesTest, InvariantUnderRotationAndTranslation) {
   MatrixXd expected(3 * n_, 3 * n_);
   for (int a = 0; a < n_; ++a) {
     for (int b = 0; b < n_; ++b)
-      expected.block<3, 3>(3 * a, 3 * b) = Q * element_.stiffness.block<3, 3>(3 * a, 3 * b) * Q.transpose();
+      expected.block<3, 3>(3 * a, 3 * b) = Q * stiffness_.block<3, 3>(3 * a, 3 * b) * Q.transpose();
   }
-  EXPECT_LE((turned.stiffness - expected).norm(), rounding * stiffness_norm_);
+  EXPECT_LE((stiffness(turned, kMaterial) - expected).norm(), rounding * stiffness_norm_);
   EXPECT_NEAR(turned.volume, element_.volume, rounding * element_.volume);
   EXPECT_LE((turned.shape_integral - element_.shape_integral).norm(), rounding * element_.volume);
   EXPECT_LE((turned.mass_integral - element_.mass_integral).norm(), rounding * element_.volume);
@@ -151,14 +168,14 @@ TEST_P(ElementMatricesTest, InvariantUnderRotationAndTranslation) {
 
 TEST_P(ElementMatricesTest, ScalesWithTheSize) {
   const ElementMatrices unit = makeElementMatrices(cell_.surface, kMaterial, config_);
-  EXPECT_LE((element_.stiffness - size_ * unit.stiffness).norm(), 1e-11 * stiffness_norm_) << cell_.name;
+  EXPECT_LE((stiffness_ - size_ * stiffness(unit, kMaterial)).norm(), 1e-11 * stiffness_norm_) << cell_.name;
   EXPECT_LE((element_.shape_integral - std::pow(size_, 3) * unit.shape_integral).norm(),
             1e-11 * element_.volume);
 }
 
 INSTANTIATE_TEST_SUITE_P(Cells, ElementMatricesTest,
                          testing::Combine(testing::Range(0, static_cast<int>(makeCells().size())),
-                                          testing::Values(1, 4, 11), testing::Values(1e-6, 1.0, 1e3)));
+                                          testing::Values(0, 1, 4, 11), testing::Values(1e-6, 1.0, 1e3)));
 
 /// The definition in the header, with 6 x 3n matrices of strains.
 TEST(ElementMatrices, StiffnessIsItsDefinition) {
@@ -176,7 +193,9 @@ TEST(ElementMatrices, StiffnessIsItsDefinition) {
     SCOPED_TRACE(cell.name);
     const int n = cell.surface.num_vertices;
     const double alpha = 0.7;
-    const ElementMatrices element = makeElementMatrices(cell.surface, kMaterial, {4, alpha, false, true});
+    ElementConfig config;
+    config.stabilisation_scale = alpha;
+    const ElementMatrices element = makeElementMatrices(cell.surface, kMaterial, config);
     const CellQuadrature quadrature = makeCellQuadrature(cell.surface, tetrahedronRule(4));
     MeanValueCoordinates<double> coordinates;
     coordinates.setSurface(cell.surface);
@@ -189,17 +208,63 @@ TEST(ElementMatrices, StiffnessIsItsDefinition) {
       const MatrixXd B = strains(fluctuation.reshaped(3, n));
       expected += alpha * quadrature.weights(q) * B.transpose() * C * B;
     }
-    EXPECT_LE((element.stiffness - expected).norm(), 1e-12 * expected.norm());
+    EXPECT_LE((stiffness(element, kMaterial) - expected).norm(), 1e-12 * expected.norm());
     EXPECT_EQ(element.mass_integral.size(), 0);
   }
 }
 
+TEST(ElementMatrices, ShearOnlyStabilisationLeavesOutLambda) {
+  const CellSurface cube = makeSurface(makeCubeSketch());
+  for (const int points : {0, 4}) {
+    ElementConfig config = makeConfig(points);
+    const auto stabilisation = [&](const IsotropicMaterial& material, StabilisationModulus modulus) {
+      config.stabilisation_modulus = modulus;
+      return makeElementMatrices(cube, material, config).stabilisation;
+    };
+    // nu = 0 has lambda = 0 anyway.
+    const IsotropicMaterial plain{2e4, 0, 1100};
+    EXPECT_EQ(stabilisation(plain, StabilisationModulus::kShear),
+              stabilisation(plain, StabilisationModulus::kFull));
+    const IsotropicMaterial soft{2e4, 0.49, 1100};
+    EXPECT_EQ(stabilisation(soft, StabilisationModulus::kShear),
+              stabilisation(soft, StabilisationModulus::kAutomatic));
+    EXPECT_GT(stabilisation(soft, StabilisationModulus::kFull).trace(),
+              2 * stabilisation(soft, StabilisationModulus::kShear).trace());
+    EXPECT_EQ(stabilisation(kMaterial, StabilisationModulus::kFull),
+              stabilisation(kMaterial, StabilisationModulus::kAutomatic));
+  }
+}
+
+TEST(ElementMatrices, StabilisationDoesNotFeelLinearFields) {
+  for (const NamedCell& cell : makeCells()) {
+    if (cell.surface.isTetrahedron()) continue;
+    for (const int points : {0, 1, 4}) {
+      const ElementMatrices element = makeElementMatrices(cell.surface, kMaterial, makeConfig(points));
+      const MatrixXd& S = element.stabilisation;
+      Matrix3d gradient;
+      gradient << 0.3, 0.2, -0.3, 0.5, -0.15, 0.4, 0.2, -0.1, 0.3;
+      const Matrix3Xd field =
+          (gradient * cell.surface.points.leftCols(cell.surface.num_vertices)).colwise() + Vector3d(1, 2, 3);
+      EXPECT_LE((S * field.reshaped()).norm(), 1e-13 * S.norm() * field.norm()) << cell.name << points;
+    }
+  }
+}
+
+TEST(ElementMatrices, VirtualElementOfACubeIsAsStiffAsMeanValuesOnAverage) {
+  const CellSurface cube = makeSurface(makeCubeSketch());
+  const double mean_values = makeElementMatrices(cube, kMaterial, makeConfig(4)).stabilisation.trace();
+  const double virtual_element = makeElementMatrices(cube, kMaterial, makeConfig(0)).stabilisation.trace();
+  EXPECT_NEAR(virtual_element, mean_values, 0.02 * mean_values);
+}
+
 TEST(ElementMatrices, TetrahedronTakesTheClosedForm) {
   const CellSurface surface = makeSurface(makeTetrahedronSketch());
-  const ElementMatrices element = makeElementMatrices(surface, kMaterial, {4, 1, true, true});
-  for (const int points : {1, 11}) {
-    const ElementMatrices other = makeElementMatrices(surface, kMaterial, {points, 5, true, true});
-    EXPECT_EQ(other.stiffness, element.stiffness);
+  const ElementMatrices element = makeElementMatrices(surface, kMaterial, makeConfig(4));
+  for (const int points : {0, 1, 11}) {
+    ElementConfig config = makeConfig(points);
+    config.stabilisation_scale = 5;
+    const ElementMatrices other = makeElementMatrices(surface, kMaterial, config);
+    EXPECT_EQ(stiffness(other, kMaterial), stiffness(element, kMaterial));
   }
   const double V = element.volume;
   for (int i = 0; i < 4; ++i) {
@@ -209,9 +274,9 @@ TEST(ElementMatrices, TetrahedronTakesTheClosedForm) {
 }
 
 TEST(ElementMatrices, CubeHasEqualMassAtItsCorners) {
-  for (const int points : {1, 4, 11}) {
+  for (const int points : {0, 1, 4, 11}) {
     const ElementMatrices cube =
-        makeElementMatrices(makeSurface(makeCubeSketch()), kMaterial, {points, 1, false, true});
+        makeElementMatrices(makeSurface(makeCubeSketch()), kMaterial, makeConfig(points));
     EXPECT_LE((cube.shape_integral.array() - 0.125).abs().maxCoeff(), 1e-15);
   }
 }
@@ -221,33 +286,41 @@ TEST(ElementMatrices, ThinSliversKeepRigidMotionsAndLinearFields) {
     const CellSurface sliver =
         transformed(makeSurface(makePrismSketch()), Vector3d(1, 1, thickness).asDiagonal(), Vector3d::Zero());
     const ElementMatrices element = makeElementMatrices(sliver, kMaterial, {});
-    ASSERT_TRUE(element.stiffness.allFinite());
-    const double norm = element.stiffness.norm();
+    ASSERT_TRUE(stiffness(element, kMaterial).allFinite());
+    const double norm = stiffness(element, kMaterial).norm();
     Matrix3d spin;
     spin << 0, -1, 2, 1, 0, -3, -2, 3, 0;
     const Matrix3Xd motion = (spin * sliver.points.leftCols(6)).colwise() + Vector3d(1, 2, 3);
-    EXPECT_LE((element.stiffness * motion.reshaped()).norm(), 1e-14 * norm * motion.norm()) << thickness;
+    EXPECT_LE((stiffness(element, kMaterial) * motion.reshaped()).norm(), 1e-14 * norm * motion.norm())
+        << thickness;
   }
 }
 
 TEST(ElementMatrices, BadCellsAndRulesAreRefused) {
   PolyhedronSketch sketch = makeCubeSketch();
   sketch.points.col(6) = Vector3d(-0.5, -0.5, -0.5);
-  EXPECT_THROW(makeElementMatrices(makeSurface(sketch), kMaterial, {}), std::invalid_argument);
-  EXPECT_THROW(makeElementMatrices(makeSurface(makeCubeSketch()), kMaterial, {3, 1, false, true}),
+  for (const int points : {0, 4}) {
+    EXPECT_THROW(makeElementMatrices(makeSurface(sketch), kMaterial, makeConfig(points)),
+                 std::invalid_argument);
+  }
+  EXPECT_THROW(makeElementMatrices(makeSurface(makeCubeSketch()), kMaterial, withPoints(3)),
                std::invalid_argument);
 }
 
 TEST(ElementConfig, Bounds) {
   EXPECT_NO_THROW(validate(ElementConfig{}));
-  for (const int points : {1, 4, 11}) EXPECT_NO_THROW(validate(ElementConfig{points, 1, false, true}));
+  for (const int points : {1, 4, 11}) EXPECT_NO_THROW(validate(withPoints(points)));
   for (const int points : {-1, 0, 2, 3, 5, 10, 12})
-    EXPECT_THROW(validate(ElementConfig{points, 1, false, true}), std::invalid_argument);
-  for (const double scale : {1e-300, 0.5, 1.0, 1e6})
-    EXPECT_NO_THROW(validate(ElementConfig{4, scale, false, true}));
+    EXPECT_THROW(validate(withPoints(points)), std::invalid_argument);
+  ElementConfig config;
+  for (const double scale : {1e-300, 0.5, 1.0, 1e6}) {
+    config.stabilisation_scale = scale;
+    EXPECT_NO_THROW(validate(config));
+  }
   for (const double scale : {0.0, -1e-300, -1.0, std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    config.stabilisation_scale = scale;
     try {
-      validate(ElementConfig{4, scale, false, true});
+      validate(config);
       ADD_FAILURE() << scale;
     } catch (const std::invalid_argument& error) {
       EXPECT_NE(std::string(error.what()).find("stabilisation_scale = "), std::string::npos);

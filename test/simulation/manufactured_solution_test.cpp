@@ -9,13 +9,6 @@
 namespace polyscalpel {
 namespace {
 
-// Sanitisers slow the larger sizes down tenfold.
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool kAllSizes = false;
-#else
-constexpr bool kAllSizes = true;
-#endif
-
 TEST(ManufacturedSolution, BodyForceIsTheDivergenceOfItsStress) {
   const ManufacturedSolution exact;
   const double lambda = lameLambda(exact.material), mu = shearModulus(exact.material);
@@ -53,6 +46,13 @@ NamedFormulation formulation(int which) {
   return result;
 }
 
+/// Numbers of cells an edge. Below these the error of the values at the vertices, which falls faster, adds up
+/// to a tenth to the order in energy.
+std::vector<int> sizesOf(BodyKind kind) {
+  if (kind == BodyKind::kVoronoi) return {7, 9, 11};
+  return {6, 8, 12};
+}
+
 class Convergence : public testing::TestWithParam<std::tuple<BodyKind, int>> {};
 
 // First-order elements: the error falls with h^2 in L2, with h in energy (S. C. Brenner, L. R. Scott, "The
@@ -60,8 +60,7 @@ class Convergence : public testing::TestWithParam<std::tuple<BodyKind, int>> {};
 TEST_P(Convergence, HasTheOrdersOfFirstOrderElements) {
   const auto [kind, which] = GetParam();
   const NamedFormulation element = formulation(which);
-  const std::vector<int> sizes = kAllSizes ? std::vector<int>{6, 8, 12} : std::vector<int>{4, 6, 8};
-  const ConvergenceStudy study = studyConvergence(kind, sizes, element.config);
+  const ConvergenceStudy study = studyConvergence(kind, sizesOf(kind), element.config);
   for (const ConvergencePoint& point : study.points) {
     RecordProperty("errors_of_" + std::to_string(point.unknowns),
                    std::to_string(point.l2_error) + " " + std::to_string(point.energy_error));
@@ -73,11 +72,18 @@ TEST_P(Convergence, HasTheOrdersOfFirstOrderElements) {
 
 // A tetrahedron is the same under every formulation.
 INSTANTIATE_TEST_SUITE_P(Tetrahedra, Convergence, testing::Values(std::make_tuple(BodyKind::kTetrahedra, 0)));
+INSTANTIATE_TEST_SUITE_P(Hexahedra, Convergence,
+                         testing::Combine(testing::Values(BodyKind::kHexahedra), testing::Range(0, 3)));
+// Sanitisers slow these down tenfold, and would see nothing in them that they do not see in the others.
+#ifndef __SANITIZE_ADDRESS__
 INSTANTIATE_TEST_SUITE_P(Polyhedra, Convergence,
-                         testing::Combine(testing::Values(BodyKind::kHexahedra, BodyKind::kVoronoi,
-                                                          BodyKind::kSlicedHexahedra,
+                         testing::Combine(testing::Values(BodyKind::kVoronoi, BodyKind::kSlicedHexahedra,
                                                           BodyKind::kSlicedTetrahedra),
                                           testing::Range(0, 3)));
+#else
+INSTANTIATE_TEST_SUITE_P(Polyhedra, Convergence,
+                         testing::Values(std::make_tuple(BodyKind::kSlicedHexahedra, 0)));
+#endif
 
 }  // namespace
 }  // namespace polyscalpel

@@ -56,7 +56,7 @@ TEST_P(PatchTest, ALinearFieldComesOutOfACutBlockToRounding) {
   ASSERT_TRUE(checkMesh(mesh).empty());
   ElementConfig config;
   config.quadrature_points = quadrature_points;
-  config.corotated = false;
+  config.strain = Strain::kLinear;
   Assembly assembly(mesh, kMaterial, config, 0);
 
   Matrix3d gradient;
@@ -106,7 +106,7 @@ TEST(CutBody, StiffnessIsSymmetricSemidefiniteWithSixZeroModesAPiece) {
     const Body body = cutBlock(tetrahedra, 2);
     ASSERT_EQ(body.pieces, 4);
     ElementConfig config;
-    config.corotated = false;
+    config.strain = Strain::kLinear;
     Assembly assembly(body.mesh, kMaterial, config, 0);
     // Column by column through the force, so that symmetry is a property and not the storage's.
     const int num_dofs = 3 * body.mesh.numVertices();
@@ -142,7 +142,7 @@ TEST(CutBody, RigidMotionByAnyAngleGivesNoForce) {
           Eigen::AngleAxisd(degrees * EIGEN_PI / 180, Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
       const Matrix3Xd moved = (R * body.mesh.restPositions()).colwise() + Vector3d(0.3, -7, 2);
       Matrix3Xd forces;
-      assembly.updateRotations(moved);
+      assembly.linearise(moved);
       assembly.internalForces(moved, forces);
       EXPECT_LT(forces.norm(), 1e-12 * stiffness_norm * moved.norm()) << body.name << " " << degrees;
     }

@@ -16,7 +16,7 @@ constexpr double kLength = 1, kWidth = 0.2;
 
 ElementConfig smallStrain() {
   ElementConfig config;
-  config.corotated = false;
+  config.strain = Strain::kLinear;
   return config;
 }
 

@@ -28,7 +28,7 @@ inline const Eigen::Vector3d kCantileverSize(1, 0.2, 0.2);
 /// Orders 5, 6 and 7 agree to REFDIGITS.
 inline double cantileverReference_m(double poisson_ratio) {
   constexpr std::pair<double, double> kDeflections[] = {{0, 0.0379566},   {0.2, 0.0379101}, {0.3, 0.0376668},
-                                                        {0.4, 0.0372460}, {0.45, 0.036956}, {0.49, 0.036674},
+                                                        {0.4, 0.0372475}, {0.45, 0.036956}, {0.49, 0.036674},
                                                         {0.499, 0.036602}};
   for (const auto& [nu, deflection] : kDeflections) {
     if (nu == poisson_ratio) return deflection;

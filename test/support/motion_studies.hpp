@@ -76,9 +76,10 @@ struct TumblingResult {
   int pieces = 0;
 };
 
-/// One turn in the given number of steps, of the body open after two cuts. Throws std::runtime_error where a
-/// step fails.
-inline TumblingResult tumble(const ElementConfig& element, bool tetrahedra, int steps_a_turn) {
+/// One turn in the given number of steps, of the body open after two cuts. The turn strains it by some 160 Pa
+/// over its modulus. Throws std::runtime_error where a step fails.
+inline TumblingResult tumble(const ElementConfig& element, bool tetrahedra, int steps_a_turn,
+                             double youngs_modulus_pa = 1e5) {
   const Eigen::Vector3d size(0.2, 0.1, 0.05);
   const Eigen::Vector3i counts(8, 4, 2);
   const PolyhedralMesh whole = tetrahedra ? makeTetBox(Eigen::Vector3d::Zero(), size, counts)
@@ -90,7 +91,7 @@ inline TumblingResult tumble(const ElementConfig& element, bool tetrahedra, int 
   config.mass_damping_per_s = 0;
   config.stiffness_damping_s = 0;
   config.time_step_s = 2 * EIGEN_PI / kTurnRate / steps_a_turn;
-  Assembly assembly(mesh, {1e5, 0.4, 1000}, element, 0);
+  Assembly assembly(mesh, {youngs_modulus_pa, 0.4, 1000}, element, 0);
   ImplicitEuler integrator(config);
   SimulationState state = makeRestState(mesh, {});
   const Eigen::Vector3d spin = kTurnRate * Eigen::Vector3d(0.2, 0.3, 1).normalized();

@@ -19,8 +19,10 @@ struct EquilibriumResult {
   bool converged = false;
   std::string message;                        ///< why, when not converged
   SolveStatus status = SolveStatus::kSolved;  ///< of the last linear solve
-  double relative_residual =
-      0;               ///< |f_int - f_ext - f_contact| / (|f_ext| + |f_contact|) over the free vertices
+  /// |f_int - f_ext - f_contact| over the free vertices, by the largest of |f_ext + f_contact| and the first
+  /// residual. Where both vanish it may stay above IntegrationConfig::equilibrium_tolerance: Newton's step
+  /// below the rounding of the positions then counts as convergence.
+  double relative_residual = 0;
   int iterations = 0;  ///< Newton steps
   int fallbacks = 0;   ///< of these, with the positive semidefinite tangent
   /// Force on the tissue of each contact handed in [N]; zero for one that was let go.
