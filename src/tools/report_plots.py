@@ -27,14 +27,16 @@ def _save(figure, path):
 
 
 def _plain_logarithmic(axis):
-    """1, 10, 100 and 0.1 instead of powers of ten, and labels between them where less than two decades are shown."""
+    """1, 10, 100 and 0.1 instead of powers of ten, and labels between them where few decades are shown."""
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     low, high = axis.get_view_interval()
-    if high / low < 100:
-        axis.set_minor_formatter(
-            FuncFormatter(lambda value, _: f"{value:g}" if f"{value:e}"[0] in "25" else ""))
+    digits = "23456789" if high / low < 8 else "25" if high / low < 100 else ""
+    if digits:
+        axis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}" if f"{value:e}"[0] in digits else ""))
     else:
         axis.set_minor_formatter(NullFormatter())
+    for label in axis.get_minorticklabels():
+        label.set_fontsize(9.5)
 
 
 def _logarithmic(axes):
@@ -49,32 +51,49 @@ def _unique(rows, key):
     return list(dict.fromkeys(row[key] for row in rows))
 
 
+def _front(points):
+    """Those of the points (cost, error) that no other one beats in both, by cost."""
+    return sorted(point for point in points
+                  if not any(other != point and other[0] <= point[0] and other[1] <= point[1] for other in points))
+
+
 def formulations(rows, path):
     """Two errors against two costs: energy norm over matrix creation, tip of the beam over a step."""
     rows = [row for row in rows if "formulation" in row]
     if not rows:
         return False
-    names = _unique(rows, "formulation")
-    meshes = _unique(rows, "mesh")
+    names, meshes = _unique(rows, "formulation"), _unique(rows, "mesh")
     figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 6.2))
-    for row in rows:
-        colour = COLOURS[names.index(row["formulation"]) % len(COLOURS)]
-        marker = MARKERS[meshes.index(row["mesh"]) % len(MARKERS)]
-        style = {"color": colour, "marker": marker, "s": 42, "alpha": 0.85, "linewidths": 0}
-        left.scatter(row["matrix_us_per_cell"], 100 * row["energy_error"], **style)
-        right.scatter(row["step_ms"], 100 * abs(row["tip_error"]), **style)
+    for name in names:
+        for mesh in meshes:
+            series = [row for row in rows if row["formulation"] == name and row["mesh"] == mesh]
+            if not series:
+                continue
+            style = {"color": COLOURS[names.index(name) % len(COLOURS)], "marker": MARKERS[meshes.index(mesh) % len(MARKERS)],
+                     "markersize": 7, "alpha": 0.85, "markeredgewidth": 0}
+            left.plot(series[-1]["matrix_us_per_cell"], 100 * series[-1]["energy_error"], **style)
+            right.plot([row["step_ms"] for row in series], [100 * abs(row["tip_error"]) for row in series],
+                       linestyle=":", linewidth=0.8, **style)
+    # Uncorrected quadrature fails the patch test, so it is no choice.
+    front = _front([(row["step_ms"], 100 * abs(row["tip_error"])) for row in rows
+                    if "uncorrected" not in row["formulation"]])
+    right.plot(*zip(*front), color="black", linewidth=1.2, linestyle="--", zorder=0)
     left.set_xlabel("matrix creation [µs a cell]")
-    left.set_ylabel("error in the energy norm, unit cube [%]")
-    right.set_xlabel("time step of the beam [ms]")
+    left.set_ylabel("error in the energy norm, finest cube [%]")
+    right.set_xlabel("time step of the beam, all sizes [ms]")
     right.set_ylabel("error of the beam's tip, nu = 0.3 [%]")
-    for axes in (left, right):
-        _logarithmic(axes)
+    _logarithmic(right)
+    left.set_xscale("log")
+    left.margins(0.1)
+    left.set_ylim(bottom=0)
+    _plain_logarithmic(left.xaxis)
     by_colour = [plt.Line2D([], [], color=COLOURS[i % len(COLOURS)], marker="o", linestyle="", label=name)
                  for i, name in enumerate(names)]
     by_marker = [plt.Line2D([], [], color="#666666", marker=MARKERS[i % len(MARKERS)], linestyle="", label=name)
                  for i, name in enumerate(meshes)]
-    figure.legend(handles=by_colour, loc="lower left", bbox_to_anchor=(0.06, 0.0), fontsize=9.5)
-    figure.legend(handles=by_marker, loc="lower left", bbox_to_anchor=(0.62, 0.0), fontsize=9.5)
+    by_marker.append(plt.Line2D([], [], color="black", linestyle="--", linewidth=1.2, label="none beats these in both"))
+    figure.legend(handles=by_colour, loc="lower left", bbox_to_anchor=(0.06, 0.0), fontsize=10)
+    figure.legend(handles=by_marker, loc="lower left", bbox_to_anchor=(0.58, 0.0), fontsize=10)
     figure.tight_layout(rect=(0, 0.25, 1, 1))
     _save(figure, path)
     return True
@@ -188,7 +207,7 @@ def peers(rows, path):
                 handles.append(handle)
                 labels.append(label)
     figure.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.04, 0), fontsize=9)
-    figure.tight_layout(rect=(0, 0.05 * len(labels), 1, 1))
+    figure.tight_layout(rect=(0, 0.02 + 0.042 * len(labels), 1, 1))
     _save(figure, path)
     return True
 

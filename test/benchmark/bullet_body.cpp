@@ -35,8 +35,8 @@ struct BulletBody::Impl {
       : dispatcher(&configuration),
         solver(settings),
         world(&dispatcher, &broadphase, &constraints, &configuration, &solver),
-        elasticity(static_cast<btScalar>(shearModulus(material)), static_cast<btScalar>(lameLambda(material)), 0,
-                   0),
+        elasticity(static_cast<btScalar>(shearModulus(material)), static_cast<btScalar>(lameLambda(material)),
+                   0, 0),
         gravity(const_cast<btVector3&>(gravity_m_s2)) {}
 
   btSoftBodyRigidBodyCollisionConfiguration configuration;

@@ -16,7 +16,7 @@ namespace polyscalpel::report {
 /// stress limit and collisions are off.
 struct BulletSettings {
   int newton_iterations = 1;
-  int cg_iterations = 300;    ///< at most, each Newton iteration; 300 is Bullet's own default
+  int cg_iterations = 300;     ///< at most, each Newton iteration; 300 is Bullet's own default
   double cg_tolerance = 1e-6;  ///< its own measure: r^T M^-1 r of the residual over that of the start (or 1)
 };
 

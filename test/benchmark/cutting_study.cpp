@@ -64,7 +64,8 @@ double findReference(const CutBody& body, const Context& context, const Tetrahed
   const SagReference reference =
       findSagReference(fewest, heldPoints(body, fewest), body.material, body.gravity_m_s2);
   if (!reference.message.empty()) holdFailed(row, "reference: " + reference.message);
-  row["reference"] = "the fewest tetrahedra, each divided into eight: " + std::to_string(reference.fine_cells);
+  row["reference"] =
+      "the fewest tetrahedra, each divided into eight: " + std::to_string(reference.fine_cells);
   return reference.fine_sag_m;
 }
 
@@ -76,8 +77,8 @@ void addSpectra(Variant& variant, const CutBody& body, double floor_kg) {
   Blocks stiffness;
   assembly.assemble(0, 1, stiffness);
   const Spectrum plain = findSpectrum(assembly.pattern(), stiffness, assembly.vertexMasses(), variant.fixed);
-  const Spectrum floored = findSpectrum(assembly.pattern(), stiffness,
-                                        assembly.vertexMasses().cwiseMax(floor_kg), variant.fixed);
+  const Spectrum floored =
+      findSpectrum(assembly.pattern(), stiffness, assembly.vertexMasses().cwiseMax(floor_kg), variant.fixed);
   if (!plain.message.empty()) holdFailed(variant.row, "spectrum: " + plain.message);
   variant.row["condition"] = plain.condition;
   variant.row["stable_step_s"] = plain.stable_step_s;
@@ -105,7 +106,8 @@ void timeSteps(std::vector<Variant>& variants, const CutBody& body, int rounds) 
 Rows studyBody(const CutBody& body, const Context& context) {
   Progress& progress = *context.progress;
   const std::vector<std::pair<Retessellation, std::string>> rules = {
-      {Retessellation::kFewest, "tetrahedra, fewest"}, {Retessellation::kMiddles, "tetrahedra, with middles"}};
+      {Retessellation::kFewest, "tetrahedra, fewest"},
+      {Retessellation::kMiddles, "tetrahedra, with middles"}};
   std::vector<Variant> variants(1);
   variants[0].name = "polyhedra";
   variants[0].mesh = body.mesh;
@@ -186,8 +188,7 @@ Rows studyCutting(const Context& context) {
   study("block", [] { return makeCutBlock(3); });
   study("ball", [&] { return makeCutBall(context.byMode(3, 6, 6), context.byMode(5, 17, 17)); });
   if (has_bunny) {
-    study("bunny",
-          [&] { return makeCutFile("bunny", context.bunny_mesh, context.byMode(2, 5, 17)); });
+    study("bunny", [&] { return makeCutFile("bunny", context.bunny_mesh, context.byMode(2, 17, 17)); });
     for (Row& row : rows)
       if (row["body"] == "bunny") row["note"] = context.bunny_note;
   } else {

@@ -93,13 +93,15 @@ Tetrahedra divideIntoEight(const Tetrahedra& body, Parents& parents) {
     const auto length = [&](const std::array<int, 6>& around) {
       return (pointOf(around[0]) - pointOf(around[1])).squaredNorm();
     };
-    const auto& [p, q, r0, r1, r2, r3] = *std::min_element(
-        diagonals.begin(), diagonals.end(), [&](const auto& s, const auto& t) { return length(s) < length(t); });
+    const auto& [p, q, r0, r1, r2, r3] =
+        *std::min_element(diagonals.begin(), diagonals.end(),
+                          [&](const auto& s, const auto& t) { return length(s) < length(t); });
     fine.cells.insert(fine.cells.end(), {{p, q, r0, r1}, {p, q, r1, r2}, {p, q, r2, r3}, {p, q, r3, r0}});
   }
   fine.points.resize(3, n + static_cast<Eigen::Index>(points.size()));
   fine.points.leftCols(n) = body.points;
-  for (std::size_t i = 0; i < points.size(); ++i) fine.points.col(n + static_cast<Eigen::Index>(i)) = points[i];
+  for (std::size_t i = 0; i < points.size(); ++i)
+    fine.points.col(n + static_cast<Eigen::Index>(i)) = points[i];
   for (std::array<int, 4>& cell : fine.cells) {
     Eigen::Matrix3d edges;
     for (int i = 0; i < 3; ++i) edges.col(i) = fine.points.col(cell[i + 1]) - fine.points.col(cell[0]);
@@ -163,7 +165,8 @@ double meanSag(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements, const Ei
   double work = 0, weight = 0;
   for (std::size_t i = 0; i < fixed.size(); ++i) {
     if (fixed[i]) continue;
-    work += masses[static_cast<Eigen::Index>(i)] * gravity_m_s2.dot(displacements.col(static_cast<Eigen::Index>(i)));
+    work += masses[static_cast<Eigen::Index>(i)] *
+            gravity_m_s2.dot(displacements.col(static_cast<Eigen::Index>(i)));
     weight += masses[static_cast<Eigen::Index>(i)] * gravity_m_s2.norm();
   }
   return work / weight;

@@ -29,8 +29,8 @@ std::vector<NamedFormulation> formulationsFor(BodyKind kind) {
   std::vector<NamedFormulation> formulations;
   for (const int points : {1, 4, 11}) {
     config.quadrature_points = points;
-    formulations.push_back({"mean value, " + std::to_string(points) + (points == 1 ? " point" : " points"),
-                            config, true});
+    formulations.push_back(
+        {"mean value, " + std::to_string(points) + (points == 1 ? " point" : " points"), config, true});
   }
   config.quadrature_points = 4;
   config.gradient_correction = false;
@@ -76,9 +76,9 @@ std::vector<double> timeSteps(const PolyhedralMesh& mesh, const std::vector<Name
   std::vector<std::unique_ptr<Body>> bodies;
   std::vector<std::function<void()>> tasks;
   for (const NamedFormulation& formulation : formulations) {
-    bodies.push_back(std::make_unique<Body>(
-        Body{Assembly(mesh, {1e5, 0.3, 1000}, formulation.config, 0), ImplicitEuler(IntegrationConfig()),
-             makeRestState(mesh, {FixedBox{{0, -1, -1}, {0, 1, 1}}})}));
+    bodies.push_back(std::make_unique<Body>(Body{Assembly(mesh, {1e5, 0.3, 1000}, formulation.config, 0),
+                                                 ImplicitEuler(IntegrationConfig()),
+                                                 makeRestState(mesh, {FixedBox{{0, -1, -1}, {0, 1, 1}}})}));
     Body& body = *bodies.back();
     tasks.push_back([&body] {
       const IntegrationResult result = body.integrator.step(body.state, body.assembly, {});
@@ -90,8 +90,8 @@ std::vector<double> timeSteps(const PolyhedralMesh& mesh, const std::vector<Name
 
 /// Wall time to make the matrices of one cell, mean over the mesh's cells, or over the first `most` of them
 /// that are evenly spread [s].
-std::vector<double> timeMatrices(const PolyhedralMesh& mesh, const std::vector<NamedFormulation>& formulations,
-                                 int most, int rounds) {
+std::vector<double> timeMatrices(const PolyhedralMesh& mesh,
+                                 const std::vector<NamedFormulation>& formulations, int most, int rounds) {
   const std::vector<CellId> cells = mesh.cells();
   const std::size_t stride = std::max<std::size_t>(1, cells.size() / most);
   std::vector<CellSurface> surfaces;
@@ -101,7 +101,8 @@ std::vector<double> timeMatrices(const PolyhedralMesh& mesh, const std::vector<N
   double sink = 0;
   for (const NamedFormulation& formulation : formulations)
     tasks.push_back([&surfaces, &sink, maker = CellFormulation(formulation.config)] {
-      for (const CellSurface& surface : surfaces) sink += maker.makeMatrices(surface, {1e5, 0.3, 1000}).volume;
+      for (const CellSurface& surface : surfaces)
+        sink += maker.makeMatrices(surface, {1e5, 0.3, 1000}).volume;
     });
   std::vector<double> times = medianSeconds(tasks, rounds);
   for (double& time : times) time /= static_cast<double>(surfaces.size());
@@ -112,8 +113,8 @@ std::vector<double> timeMatrices(const PolyhedralMesh& mesh, const std::vector<N
 
 Rows studyFormulations(const Context& context) {
   // Cubes along the edge of the cube with the known solution, and along the short edge of the beam.
-  const std::vector<std::pair<int, int>> sizes = context.byMode<std::vector<std::pair<int, int>>>(
-      {{4, 2}}, {{4, 2}, {8, 4}}, {{4, 2}, {8, 4}, {12, 6}});
+  const std::vector<std::pair<int, int>> sizes =
+      context.byMode<std::vector<std::pair<int, int>>>({{4, 2}}, {{4, 2}, {8, 4}}, {{4, 2}, {8, 4}, {12, 6}});
   const std::vector<BodyKind> kinds = {BodyKind::kHexahedra, BodyKind::kTetrahedra, BodyKind::kVoronoi,
                                        BodyKind::kSlicedHexahedra, BodyKind::kSlicedTetrahedra};
   context.progress->beginSection("formulations", static_cast<int>(sizes.size() * kinds.size()));

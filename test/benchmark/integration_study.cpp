@@ -82,7 +82,8 @@ Rows studyIntegration(const Context& context) {
     row["error_after_1_s"] = (run.positions - reference).norm() / displacement;
     row["wall_ms_per_simulated_s"] = 1e3 * median(wall_s);
     row["step_ms"] = 1e3 * median(wall_s) / std::lround(kDuration_s / steps_s[i]);
-    row["reference"] = "extrapolated from steps of " + std::to_string(1e3 * finest_s) + " ms and half of that";
+    row["reference"] =
+        "extrapolated from steps of " + std::to_string(1e3 * finest_s) + " ms and half of that";
     row["reference_step_change"] = (fine.positions - coarse.positions).norm() / displacement;
     if (!run.message.empty()) holdFailed(row, run.message);
     holdAtMost(row, "relative_residual", 1e-6);

@@ -8,7 +8,8 @@
 
 namespace polyscalpel::report {
 
-Progress::Progress(int num_sections) : is_terminal_(isatty(STDERR_FILENO) == 1), num_sections_(num_sections) {}
+Progress::Progress(int num_sections)
+    : is_terminal_(isatty(STDERR_FILENO) == 1), num_sections_(num_sections) {}
 
 void Progress::beginSection(const std::string& name, int num_tasks) {
   ++section_;

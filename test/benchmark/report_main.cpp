@@ -36,8 +36,11 @@ Mode parseMode(const std::string& name) {
 
 /// Values by option; --version name=value may be given again and again.
 struct Options {
-  std::map<std::string, std::string> values = {{"output", ""},     {"mode", "default"},   {"commit", "unknown"},
-                                               {"bunny", ""},      {"bunny-note", "none was given"},
+  std::map<std::string, std::string> values = {{"output", ""},
+                                               {"mode", "default"},
+                                               {"commit", "unknown"},
+                                               {"bunny", ""},
+                                               {"bunny-note", "none was given"},
                                                {"only", ""}};
   Row versions = Row::object();
 };

@@ -58,7 +58,8 @@ class Divider {
     Tetrahedra result;
     for (const CellId id : mesh_.cells()) addCell(id, *findApex(id), result.cells);
     result.points.resize(3, static_cast<Eigen::Index>(points_.size()));
-    for (std::size_t i = 0; i < points_.size(); ++i) result.points.col(static_cast<Eigen::Index>(i)) = points_[i];
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      result.points.col(static_cast<Eigen::Index>(i)) = points_[i];
     return result;
   }
 
@@ -154,7 +155,8 @@ class Divider {
     for (const VertexId vertex : vertices) {
       const Apex apex{vertex.index(), points_[vertex.index()]};
       const double worst = worstQuality(surface, apex);
-      if (worst > best_quality || (best.vertex < 0 && worst > kGoodQuality)) best = apex, best_quality = worst;
+      if (worst > best_quality || (best.vertex < 0 && worst > kGoodQuality))
+        best = apex, best_quality = worst;
     }
     if (best_quality < kWorstQuality && mayGetMiddles(id)) return std::nullopt;
     return best;

@@ -24,7 +24,7 @@ enum class Retessellation {
 };
 
 struct Tetrahedra {
-  Eigen::Matrix3Xd points;               ///< 3 x n, one column per vertex [m]
+  Eigen::Matrix3Xd points;                ///< 3 x n, one column per vertex [m]
   std::vector<std::array<int, 4>> cells;  ///< of positive volume
 };
 

@@ -21,7 +21,8 @@ double largestEigenvalue(const std::function<Eigen::Matrix3Xd(const Eigen::Matri
                          const std::vector<bool>& fixed, int iterations) {
   // A start without symmetry, so that it has a part of every mode.
   Eigen::Matrix3Xd q(3, static_cast<Eigen::Index>(fixed.size()));
-  for (Eigen::Index i = 0; i < q.size(); ++i) q.data()[i] = std::sin(1.0 + 37.0 * static_cast<double>(i % 9973));
+  for (Eigen::Index i = 0; i < q.size(); ++i)
+    q.data()[i] = std::sin(1.0 + 37.0 * static_cast<double>(i % 9973));
   clearFixed(fixed, q);
   q /= q.norm();
   Eigen::Matrix3Xd previous = Eigen::Matrix3Xd::Zero(3, q.cols());

@@ -66,7 +66,8 @@ std::vector<std::optional<Eigen::Isometry3d>> poses(const SimulationConfig& conf
   const double t = static_cast<double>(step) / num_steps;
   std::vector<std::optional<Eigen::Isometry3d>> result;
   if (!config.tools.empty())
-    result.emplace_back(Eigen::Translation3d(0.04 + 0.02 * t, 0.03, 0.059 + 0.006 * std::max(0.0, 1 - 4 * t)));
+    result.emplace_back(
+        Eigen::Translation3d(0.04 + 0.02 * t, 0.03, 0.059 + 0.006 * std::max(0.0, 1 - 4 * t)));
   if (config.tools.size() > 1) result.emplace_back(Eigen::Translation3d(-0.01 + 0.1 * t, 0.073, 0.022));
   return result;
 }
