@@ -182,7 +182,7 @@ def peers(rows, path):
     if not rows:
         return False
     bodies = _unique(rows, "body")
-    figure, all_axes = plt.subplots(1, len(bodies), figsize=(8.0, 5.2), squeeze=False)
+    figure, all_axes = plt.subplots(1, len(bodies), figsize=(8.0, 5.2), squeeze=False, sharex=True, sharey=True)
     for axes, body in zip(all_axes[0], bodies):
         of_body = [row for row in rows if row["body"] == body]
         series = {}
@@ -192,12 +192,12 @@ def peers(rows, path):
             series.setdefault(key, []).append(row)
         for key, of_series in series.items():
             index = _legend_index(rows, key)
-            axes.plot([row["wall_ms_per_simulated_s"] for row in of_series],
+            axes.plot([1e-3 * row["wall_ms_per_simulated_s"] for row in of_series],
                       [100 * row["motion_error"] for row in of_series], label=key,
                       linestyle="-" if len(of_series) > 1 else "", **_style(index))
         _logarithmic(axes)
         axes.set_title(body, fontsize=10.5)
-        axes.set_xlabel("wall time of 1 s [ms]" if len(bodies) > 1 else "wall time of one simulated second [ms]")
+        axes.set_xlabel("wall time of 1 s [s]" if len(bodies) > 1 else "wall time of one simulated second [s]")
         axes.tick_params(labelsize=9.5)
     all_axes[0][0].set_ylabel("error of the motion [%]")
     handles, labels = [], []

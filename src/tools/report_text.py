@@ -140,8 +140,11 @@ def _rules(section, rows):
 def write(report, plots, date):
     """The whole page. plots: names of the sections that have one; date: of the run."""
     machine = report["machine"]
+    memory = machine["memory"]
+    if memory.endswith(" kB"):
+        memory = f"{int(memory.split()[0]) / 1e6:.0f} GB"
     parts = [INTRODUCTION, "", "| | |", "|---|---|",
-             f"| machine | {machine['cpu']}, {machine['cores']} cores, {machine['memory']}, {machine['os']} |",
+             f"| machine | {machine['cpu']}, {machine['cores']} cores, {memory}, {machine['os']} |",
              f"| compiler | {machine['compiler']}, {machine['flags']} |",
              f"| commit | {report['commit']} |",
              "| versions | " + ", ".join(f"{name} {version}" for name, version in report["versions"].items()) + " |",
@@ -155,7 +158,7 @@ def write(report, plots, date):
         parts += ["", f"## {title}", "", how, ""]
         if section in plots:
             parts += [f"![{title}]({section}.png)", ""]
-        parts += [_table(rows, columns or _columns_of(rows)), "", "What it does not show: " + limits[0].lower() + limits[1:]]
+        parts += [_table(rows, columns or _columns_of(rows)), "", "**What it does not show.** " + limits]
     parts += ["", "## What is held", "",
               "Values that must hold, or the report fails; counted over the rows that they are about.", "",
               "| section | rule | holds in |", "|---|---|---|"] + rules
