@@ -209,8 +209,8 @@ Rows studyPeers(const Context& context) {
   std::vector<Contestant> contestants;
   for (const double h : steps_s) contestants.push_back(makeOurs(small, h));
 #ifdef POLYSCALPEL_HAS_BULLET
-  for (const double h : steps_s) contestants.push_back(makeBullet(small, h, {1, 300, 1e-6}));
-  contestants.push_back(makeBullet(small, steps_s[0], {1, 300, 1e-3}));
+  for (const double tolerance : {1e-6, 1e-3, 1e-1})
+    for (const double h : steps_s) contestants.push_back(makeBullet(small, h, {1, 300, tolerance}));
   contestants.push_back(makeBullet(small, steps_s[0], {1, 300, 1e-9}));
   contestants.push_back(makeBullet(small, steps_s[0], {1, 20, 1e-6}));
   contestants.push_back(makeBullet(small, steps_s[0], {4, 300, 1e-6}));
