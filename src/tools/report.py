@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Measures speed against error and writes the report; see `./run help`.
+
+Runs the program polyscalpel_report, which measures and writes report.json, then draws its plots and writes REPORT.md from that
+file alone. Ends with 1 where a value that the report holds is broken: the report is written all the same and names it.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import time
+
+import bunny
+import report_plots
+import report_text
+
+# Packages whose versions bear on the figures.
+PACKAGES = {"CHOLMOD": "libcholmod3", "OpenBLAS": "libopenblas0-pthread", "Eigen": "libeigen3-dev", "FCL": "libfcl-dev",
+            "CGAL": "libcgal-dev", "Gmsh": "libgmsh-dev", "Bullet": "libbullet-dev", "TetGen": "tetgen",
+            "matplotlib": "python3-matplotlib"}
+
+
+def package_versions():
+    versions = {}
+    for name, package in PACKAGES.items():
+        found = subprocess.run(["dpkg-query", "-W", "-f", "${Version}", package], capture_output=True, text=True,
+                               check=False)
+        versions[name] = found.stdout.strip() if found.returncode == 0 and found.stdout.strip() else "not installed"
+    return versions
+
+
+def commit(root):
+    def git(*arguments):
+        return subprocess.run(["git", "-c", "safe.directory=*", "-C", root, *arguments], capture_output=True, text=True,
+                              check=False).stdout.strip()
+
+    # What the report itself writes does not make the sources others.
+    changed = git("status", "--porcelain", "--", ".", ":!test/benchmark/REPORT.md", ":!test/benchmark/*.png")
+    return (git("rev-parse", "HEAD") or "unknown") + (" with local changes" if changed else "")
+
+
+def measure(arguments, root, path):
+    try:
+        bunny_mesh = bunny.make_bunny(os.path.join(arguments.folder, "bunny"))
+        note = f"npm package {bunny.PACKAGE}, filled by TetGen {bunny.TETGEN_OPTIONS}, {bunny.SIZE_M} m long"
+    except (bunny.BunnyError, OSError, KeyError) as error:
+        bunny_mesh, note = "", f"the bunny could not be had: {error}"
+    command = [arguments.program, "--output", path, "--mode", arguments.mode, "--commit", commit(root), "--bunny-note", note]
+    if bunny_mesh:
+        command += ["--bunny", bunny_mesh]
+    for name, version in package_versions().items():
+        command += ["--version", f"{name}={version}"]
+    return subprocess.run(command, check=False).returncode
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", help="the program that measures; without it the figures of the last run are drawn anew")
+    parser.add_argument("--folder", required=True, help="where report.json and what is made on the spot go")
+    parser.add_argument("--target", required=True, help="where REPORT.md and its plots go")
+    parser.add_argument("--mode", choices=["quick", "default", "full"], default="default")
+    arguments = parser.parse_args()
+    root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+    path = os.path.join(arguments.folder, "report.json")
+    os.makedirs(arguments.folder, exist_ok=True)
+    status = 0
+    if arguments.program:
+        if os.path.exists(path):
+            os.remove(path)
+        status = measure(arguments, root, path)
+        if not os.path.exists(path):
+            print("report: nothing was measured", file=sys.stderr)
+            return status or 2
+    with open(path, encoding="utf-8") as file:
+        report = json.load(file)
+    plots = {name for name, draw in report_plots.PLOTS.items()
+             if draw(report[name], os.path.join(arguments.target, name + ".png"))}
+    text = report_text.write(report, plots, time.strftime("%Y-%m-%d", time.gmtime(os.path.getmtime(path))))
+    target = os.path.join(arguments.target, "REPORT.md")
+    with open(target, "w", encoding="utf-8") as file:
+        file.write(text)
+    print(f"{os.path.relpath(target, root)} and its plots are written; the figures are in {os.path.relpath(path, root)}")
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

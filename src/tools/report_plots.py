@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Plots of the report. Colours by M. Okabe and K. Ito, which people with any kind of colour vision tell apart; each line or
+point has a marker of its own too."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.ticker import FuncFormatter, NullFormatter  # noqa: E402
+
+COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
+MARKERS = ["o", "s", "^", "D", "v", "P", "X"]
+# 8 x 5 inches at 110 dots: 880 pixels wide, still readable at 800.
+SIZE, DPI = (8.0, 5.0), 110
+
+plt.rcParams.update({"font.size": 11, "axes.grid": True, "grid.alpha": 0.35, "axes.spines.top": False,
+                     "axes.spines.right": False, "legend.frameon": False})
+
+
+def _style(index):
+    return {"color": COLOURS[index % len(COLOURS)], "marker": MARKERS[index % len(MARKERS)]}
+
+
+def _save(figure, path):
+    figure.savefig(path, dpi=DPI)
+    plt.close(figure)
+
+
+def _plain_logarithmic(axis):
+    """1, 10, 100 and 0.1 instead of powers of ten, and labels between them where few decades are shown."""
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    low, high = axis.get_view_interval()
+    digits = "23456789" if high / low < 8 else "25" if high / low < 100 else ""
+    if digits:
+        axis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}" if f"{value:e}"[0] in digits else ""))
+    else:
+        axis.set_minor_formatter(NullFormatter())
+    for label in axis.get_minorticklabels():
+        label.set_fontsize(9.5)
+
+
+def _logarithmic(axes):
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.margins(0.08)
+    _plain_logarithmic(axes.xaxis)
+    _plain_logarithmic(axes.yaxis)
+
+
+def _unique(rows, key):
+    return list(dict.fromkeys(row[key] for row in rows))
+
+
+def _front(points):
+    """Those of the points (cost, error) that no other one beats in both, by cost."""
+    return sorted(point for point in points
+                  if not any(other != point and other[0] <= point[0] and other[1] <= point[1] for other in points))
+
+
+def formulations(rows, path):
+    """Two errors against two costs: energy norm over matrix creation, tip of the beam over a step."""
+    rows = [row for row in rows if "formulation" in row]
+    if not rows:
+        return False
+    names, meshes = _unique(rows, "formulation"), _unique(rows, "mesh")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 6.2))
+    for name in names:
+        for mesh in meshes:
+            series = [row for row in rows if row["formulation"] == name and row["mesh"] == mesh]
+            if not series:
+                continue
+            style = {"color": COLOURS[names.index(name) % len(COLOURS)], "marker": MARKERS[meshes.index(mesh) % len(MARKERS)],
+                     "markersize": 7, "alpha": 0.85, "markeredgewidth": 0}
+            left.plot(series[-1]["matrix_us_per_cell"], 100 * series[-1]["energy_error"], **style)
+            right.plot([row["step_ms"] for row in series], [100 * abs(row["tip_error"]) for row in series],
+                       linestyle=":", linewidth=0.8, **style)
+    # Uncorrected quadrature fails the patch test, so it is no choice.
+    front = _front([(row["step_ms"], 100 * abs(row["tip_error"])) for row in rows
+                    if "uncorrected" not in row["formulation"]])
+    right.plot(*zip(*front), color="black", linewidth=1.2, linestyle="--", zorder=0)
+    left.set_xlabel("matrix creation [µs a cell]")
+    left.set_ylabel("error in the energy norm, finest cube [%]")
+    right.set_xlabel("time step of the beam, all sizes [ms]")
+    right.set_ylabel("error of the beam's tip, nu = 0.3 [%]")
+    _logarithmic(right)
+    left.set_xscale("log")
+    left.margins(0.1)
+    left.set_ylim(bottom=0)
+    _plain_logarithmic(left.xaxis)
+    by_colour = [plt.Line2D([], [], color=COLOURS[i % len(COLOURS)], marker="o", linestyle="", label=name)
+                 for i, name in enumerate(names)]
+    by_marker = [plt.Line2D([], [], color="#666666", marker=MARKERS[i % len(MARKERS)], linestyle="", label=name)
+                 for i, name in enumerate(meshes)]
+    by_marker.append(plt.Line2D([], [], color="black", linestyle="--", linewidth=1.2, label="none beats these in both"))
+    figure.legend(handles=by_colour, loc="lower left", bbox_to_anchor=(0.06, 0.0), fontsize=10)
+    figure.legend(handles=by_marker, loc="lower left", bbox_to_anchor=(0.58, 0.0), fontsize=10)
+    figure.tight_layout(rect=(0, 0.25, 1, 1))
+    _save(figure, path)
+    return True
+
+
+def cutting(rows, path):
+    """Bars a body: what the same cut costs as polyhedra and as tetrahedra."""
+    rows = [row for row in rows if "sag_error" in row]
+    if not rows:
+        return False
+    quantities = [("cells", 1, "cells"), ("sag_error", 100, "error of the static sag [%]"),
+                  ("condition", 1, "condition number"),
+                  ("stable_step_with_mass_floor_s", 1e3, "stable explicit step [ms]"),
+                  ("step_ms", 1, "implicit step [ms]"), ("unknowns", 1, "unknowns")]
+    bodies, methods = _unique(rows, "body"), _unique(rows, "method")
+    figure, grid = plt.subplots(2, 3, figsize=(8.0, 6.0))
+    for axes, (key, scale, label) in zip(grid.flat, quantities):
+        for i, method in enumerate(methods):
+            of_method = [row for row in rows if row["method"] == method]
+            at = [bodies.index(row["body"]) + 0.27 * (i - 1) for row in of_method]
+            values = [scale * abs(row[key]) for row in of_method]
+            axes.bar(at, values, 0.25, color=COLOURS[i], label=method, hatch=["", "//", ".."][i], edgecolor="white")
+        axes.set_xticks(range(len(bodies)), bodies)
+        axes.set_title(label, fontsize=10.5)
+        axes.set_yscale("linear" if key == "sag_error" else "log")
+        axes.grid(axis="x", visible=False)
+        axes.tick_params(labelsize=9.5)
+    handles, labels = grid.flat[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncol=3, fontsize=10)
+    figure.tight_layout(rect=(0, 0.06, 1, 1))
+    _save(figure, path)
+    return True
+
+
+def integration(rows, path):
+    rows = [row for row in rows if "error_after_1_s" in row]
+    if not rows:
+        return False
+    figure, axes = plt.subplots(figsize=SIZE)
+    x = [row["wall_ms_per_simulated_s"] for row in rows]
+    y = [100 * row["error_after_1_s"] for row in rows]
+    axes.plot(x, y, **_style(0))
+    _logarithmic(axes)
+    for row, left, top in zip(rows, x, y):
+        axes.annotate(f"h = {1e3 * row['time_step_s']:g} ms", (left, top), xytext=(6, 5), textcoords="offset points",
+                      fontsize=10)
+    axes.set_xlabel("wall time of one simulated second [ms]")
+    axes.set_ylabel("error of the positions after 1 s [%]")
+    axes.margins(0.14)
+    figure.tight_layout()
+    _save(figure, path)
+    return True
+
+
+STAGES = [("assembly_ms", "assembly"), ("solve_ms", "solution"), ("detection_ms", "contact detection"),
+          ("contact_ms", "contact forces"), ("cutting_ms", "cutting"), ("update_ms", "update after cuts"),
+          ("other_ms", "stress and the rest")]
+
+
+def stages(rows, path):
+    rows = [row for row in rows if "scene" in row]
+    if not rows:
+        return False
+    figure, axes = plt.subplots(figsize=SIZE)
+    names = [row["scene"] for row in rows]
+    start = [0.0] * len(rows)
+    for i, (key, label) in enumerate(STAGES):
+        widths = [max(0.0, row[key]) for row in rows]
+        axes.barh(names, widths, left=start, color=COLOURS[i], label=label, hatch=["", "", "//", "", "..", "", "xx"][i],
+                  edgecolor="white", linewidth=0.5)
+        start = [a + b for a, b in zip(start, widths)]
+    for i, total in enumerate(start):
+        axes.annotate(f"{total:.3g} ms", (total, i), xytext=(4, 0), textcoords="offset points", va="center", fontsize=10)
+    axes.invert_yaxis()
+    axes.margins(x=0.12)
+    axes.set_xlabel("mean time of a step [ms]")
+    axes.grid(axis="y", visible=False)
+    figure.legend(loc="lower center", ncol=4, fontsize=10)
+    figure.tight_layout(rect=(0, 0.13, 1, 1))
+    _save(figure, path)
+    return True
+
+
+def peers(rows, path):
+    rows = [row for row in rows if "motion_error" in row]
+    if not rows:
+        return False
+    bodies = _unique(rows, "body")
+    figure, all_axes = plt.subplots(1, len(bodies), figsize=(8.0, 5.2), squeeze=False, sharex=True, sharey=True)
+    for axes, body in zip(all_axes[0], bodies):
+        of_body = [row for row in rows if row["body"] == body]
+        series = {}
+        for row in of_body:
+            ours = row["peer"] == "polyscalpel"
+            key = "polyscalpel" if ours else f"{row['peer'].split(',')[0]}: {row['settings']}"
+            series.setdefault(key, []).append(row)
+        for key, of_series in series.items():
+            index = _legend_index(rows, key)
+            axes.plot([1e-3 * row["wall_ms_per_simulated_s"] for row in of_series],
+                      [100 * row["motion_error"] for row in of_series], label=key,
+                      linestyle="-" if len(of_series) > 1 else "", **_style(index))
+        _logarithmic(axes)
+        axes.set_title(body, fontsize=10.5)
+        axes.set_xlabel("wall time of 1 s [s]" if len(bodies) > 1 else "wall time of one simulated second [s]")
+        axes.tick_params(labelsize=9.5)
+    all_axes[0][0].set_ylabel("error of the motion [%]")
+    handles, labels = [], []
+    for axes in all_axes[0]:
+        for handle, label in zip(*axes.get_legend_handles_labels()):
+            if label not in labels:
+                handles.append(handle)
+                labels.append(label)
+    figure.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.04, 0), fontsize=9)
+    figure.tight_layout(rect=(0, 0.02 + 0.042 * len(labels), 1, 1))
+    _save(figure, path)
+    return True
+
+
+def _legend_index(rows, key):
+    keys = ["polyscalpel"]
+    for row in rows:
+        if row["peer"] != "polyscalpel":
+            name = f"{row['peer'].split(',')[0]}: {row['settings']}"
+            if name not in keys:
+                keys.append(name)
+    return keys.index(key)
+
+
+PLOTS = {"formulations": formulations, "cutting": cutting, "integration": integration, "stages": stages, "peers": peers}

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""REPORT.md from the rows of report.json."""
+
+INTRODUCTION = """# Speed against error
+
+Written by `./run report`; every number below was measured by that one run, on the machine named here, which others may have
+been using at the same time. Times are wall times of one process on one thread. What is compared ran in turns, and the median
+counts: compare times within a table, not with other machines. Errors are in parts of the true value (1 % = 0.01 in
+`report.json`); those that do not involve a time are the same in every run."""
+
+# Section -> title, what was measured and how, columns (key, heading, format), what it does not show.
+SECTIONS = {
+    "formulations": (
+        "Formulations",
+        """Every way to make a cell's matrices, on five kinds of cells. *Patch*: a linear field at the boundary of the unit cube
+must be taken on inside; largest deviation. *L2* and *energy*: errors against the manufactured solution
+u = a sin(pi x) sin(pi y) sin(pi z) in these norms. *Tip*: deflection of a clamped beam of 1 x 0.2 x 0.2 m under its weight
+against fourth- and higher-order elements, negative where too stiff. *Matrices*: time to make one cell's matrices, mean over
+the beam's cells; it is paid once for each new cell. *Step*: one dynamic step of the beam, corotated, lumped mass, with a new
+factorisation. Sliced meshes are cut by random planes of fixed seed and glued again, so that they keep sound cells and slivers
+alike.""",
+        [("mesh", "cells are", "s"), ("formulation", "formulation", "s"), ("cube_cells", "cells of the cube", "d"),
+         ("patch_error", "patch", "e"), ("l2_error", "L2 [%]", "%"), ("energy_error", "energy [%]", "%"),
+         ("beam_unknowns", "unknowns of the beam", "d"), ("tip_error", "tip, nu 0.3 [%]", "%"),
+         ("tip_error_poisson_049", "tip, nu 0.49 [%]", "%"), ("matrix_us_per_cell", "matrices [µs a cell]", "g"),
+         ("step_ms", "step [ms]", "g")],
+        """Small strains and one material; two shapes of body. A tip error that changes its sign between two sizes is small by
+luck near there. The uncorrected quadrature is there for comparison only. A
+smaller error on one kind of cells at equal *cells* is not one at equal *unknowns*: Voronoi cells have several times more
+vertices than hexahedra."""),
+    "cutting": (
+        "Cut bodies: polyhedra against tetrahedra",
+        """The same cut body as it is, and re-tessellated into tetrahedra by our own baseline: *fewest* divides faces by
+diagonals chosen for the best worst triangle, so that neighbours agree, and cones each cell from one of its own vertices, or
+from a new vertex where all of those are bad; *with middles* puts a vertex in each face and each cell that is no tetrahedron.
+*Block*: 27 hexahedra under three planes. *Ball*: tetrahedra under twisted, bowed sweeps of fixed seed. *Bunny*: the same
+kind of cuts. Pieces that the foot does not hold are held whole. *Sag*: mean displacement along gravity, which acts sideways,
+small strain, against the reference in the last column. *Condition*: largest over smallest eigenvalue of the stiffness without
+fixed vertices (Lanczos; inverse by Cholesky). *Stable step*: 2 / sqrt(largest eigenvalue of M^-1 K), the longest step of an
+explicit scheme, with lumped mass as it is and with the simulation's mass floor (2 % of the median vertex mass before any
+cut), applied to all alike. *Step*: one implicit corotated step.""",
+        [("body", "body", "s"), ("method", "as", "s"), ("cuts", "cuts", "d"), ("cells_before", "cells before", "d"),
+         ("cells", "cells", "d"), ("unknowns", "unknowns", "d"), ("sag_error", "sag error [%]", "%"),
+         ("condition", "condition", "e"), ("stable_step_s", "stable step [ms]", "m"),
+         ("stable_step_with_mass_floor_s", "with mass floor [ms]", "m"), ("step_ms", "step [ms]", "g"),
+         ("cutting_ms_per_cut", "a cut [ms]", "g"), ("retessellation_ms", "re-tessellation [ms]", "g"),
+         ("loose_pieces", "loose pieces", "d"), ("cells_left_whole", "left whole", "d"), ("reference", "reference", "s"),
+         ("note", "note", "s")],
+        """The baseline is ours: a cutter that also moves vertices or improves its tetrahedra would make better ones, at a
+price that is not in these times. Where the reference is the tetrahedra themselves, finer, it errs on the stiff side, and so
+errors are a little larger than they look. The re-tessellation is of the whole cut body at once, not cut by cut."""),
+    "integration": (
+        "Time step",
+        """A soft bar of 0.2 x 0.05 x 0.05 m (E = 30 kPa, hexahedra), held at one end and let go level, without damping but
+that of implicit Euler. *Error*: distance of all vertices after 1 s from those of a much finer motion, extrapolated from two
+step lengths, over its displacement. *Time*: of one simulated second. The only solver today is the direct one, so the
+tolerance column holds its residual: the error is that of the time step.""",
+        [("time_step_s", "h [ms]", "m"), ("solver", "solver", "s"), ("relative_residual", "residual", "e"),
+         ("error_after_1_s", "error after 1 s [%]", "%"), ("wall_ms_per_simulated_s", "time of 1 s [ms]", "g"),
+         ("step_ms", "step [ms]", "g")],
+        """One body and one motion, undamped, which is the hardest on a damping scheme; tissue with its own damping, or near
+rest, errs less. Implicit Euler is of first order: half the error costs twice the time."""),
+    "stages": (
+        "What a scene pays for",
+        """The same block of hexahedra with one part more from row to row; all scenes step in turns. A ball presses and slides
+from *contact* on, a blade is drawn through from *cutting* on, stress is recovered in every step in *stress*. Times are means
+over all steps but the first, by the simulation's own stage timer; a stage of a part that is not built takes exactly zero,
+which is held. *Rest* holds stress recovery and bookkeeping.""",
+        [("scene", "scene", "s"), ("cells", "cells at the end", "d"), ("assembly_ms", "assembly [ms]", "g"),
+         ("solve_ms", "solution", "g"), ("detection_ms", "detection", "g"), ("contact_ms", "contact", "g"),
+         ("cutting_ms", "cutting", "g"), ("update_ms", "update", "g"), ("other_ms", "rest", "g"),
+         ("total_ms", "sum", "g"), ("largest_total_ms", "largest step", "g"), ("contacts_per_step", "contacts a step", "g")],
+        """Contact of the tissue with itself is not part of the product yet, so it is not here. A linear scene keeps its one
+factor; with rotations every step factors anew, which is most of the time. A longer cut has more steps with an update."""),
+    "peers": (
+        "A peer in the same run: Bullet",
+        """Bullet's deformable bodies (btDeformableMultiBodyDynamicsWorld with btDeformableLinearElasticityForce, corotated
+linear elasticity) beside our tetrahedra: the same mesh, material (nu = 0.45), lumped masses, gravity and clamped end, in
+turns. Both solve the same equations. Bullet's implicit step is on, its damping, drag, sleeping, stress limit and collisions
+are off; contact by projection. Debian's ordinary build, in single precision, was about twice as fast as the one in double
+precision at the same error. *Motion error*: distance of all vertices at every sixtieth of a second from a motion extrapolated
+from much finer steps, over the displacements. *Sag error*: after 20 s in steps of
+1/30 s, by when the scheme has damped the swing away, against the minimum of the energy.""",
+        [("body", "body", "s"), ("peer", "who", "s"), ("settings", "settings", "s"), ("time_step_s", "h [ms]", "m"),
+         ("motion_error", "motion error [%]", "%"), ("sag_error", "sag error [%]", "%"), ("step_ms", "step [ms]", "g"),
+         ("wall_ms_per_simulated_s", "time of 1 s [ms]", "g"), ("wall_ms_to_sag", "time to the sag [ms]", "g")],
+        """Bullet is made for games and robots with contact and offers no direct solver: this is its way to solve, tuned as
+well as we could, on tetrahedra without contact and without cuts. Single precision is part of its speed and of its error.
+The reference motion comes from our program; that Bullet comes near it with finer steps is the check on that."""),
+    "hard_cases": (
+        "Hard cases",
+        "What may go wrong in a cut, counted over many random cuts of fixed seeds.",
+        None,
+        "Cases that nobody has thought of."),
+}
+
+
+def _number(value):
+    if value == 0:
+        return "0"
+    if abs(value) >= 1000:
+        return f"{value:,.0f}"
+    return f"{value:.3g}" if abs(value) >= 1e-3 else f"{value:.1e}"
+
+
+def _cell(row, key, form):
+    value = row.get(key)
+    if value is None:
+        return ""
+    if form == "s" or isinstance(value, (str, bool)):
+        return str(value).replace("|", "/")
+    if form == "d":
+        return f"{value:,}"
+    if form == "e":
+        return f"{value:.1e}"
+    return _number({"%": 100, "m": 1000}.get(form, 1) * value)
+
+
+def _columns_of(rows):
+    keys = list(dict.fromkeys(key for row in rows for key in row if key not in ("held", "holds")))
+    return [(key, key.replace("_", " "), "g") for key in keys]
+
+
+def _table(rows, columns):
+    columns = [column for column in columns if any(column[0] in row for row in rows)]
+    lines = ["| " + " | ".join(heading for _, heading, _ in columns) + " |", "|" + "---|" * len(columns)]
+    lines += ["| " + " | ".join(_cell(row, key, form) for key, _, form in columns) + " |" for row in rows]
+    return "\n".join(lines)
+
+
+def _rules(section, rows):
+    lines = []
+    for rule in dict.fromkeys(row["held"] for row in rows if "held" in row):
+        of_rule = [row for row in rows if row.get("held") == rule]
+        kept = sum(row["holds"] for row in of_rule)
+        lines.append(f"| {section} | {rule} | {kept} of {len(of_rule)} {'' if kept == len(of_rule) else '**broken**'} |")
+    return lines
+
+
+def write(report, plots, date):
+    """The whole page. plots: names of the sections that have one; date: of the run."""
+    machine = report["machine"]
+    memory = machine["memory"]
+    if memory.endswith(" kB"):
+        memory = f"{int(memory.split()[0]) / 1e6:.0f} GB"
+    parts = [INTRODUCTION, "", "| | |", "|---|---|",
+             f"| machine | {machine['cpu']}, {machine['cores']} cores, {memory}, {machine['os']} |",
+             f"| compiler | {machine['compiler']}, {machine['flags']} |",
+             f"| commit | {report['commit']} |",
+             "| versions | " + ", ".join(f"{name} {version}" for name, version in report["versions"].items()) + " |",
+             f"| run | {date}, {report['mode']}, {report['duration_s'] / 60:.1f} minutes |"]
+    rules = []
+    for section, (title, how, columns, limits) in SECTIONS.items():
+        rows = report[section]
+        if not rows:
+            continue
+        rules += _rules(section, rows)
+        parts += ["", f"## {title}", "", how, ""]
+        if section in plots:
+            parts += [f"![{title}]({section}.png)", ""]
+        parts += [_table(rows, columns or _columns_of(rows)), "", "**What it does not show.** " + limits]
+    parts += ["", "## What is held", "",
+              "Values that must hold, or the report fails; counted over the rows that they are about.", "",
+              "| section | rule | holds in |", "|---|---|---|"] + rules
+    return "\n".join(parts) + "\n"

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Bodies that have been cut, for the comparison with re-tessellation.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "polyscalpel/materials/isotropic_material.hpp"
+#include "polyscalpel/mesh/polyhedral_mesh.hpp"
+
+namespace polyscalpel::report {
+
+struct CutBody {
+  std::string name;
+  PolyhedralMesh mesh;
+  std::vector<bool> fixed;  ///< one flag a vertex: the foot, and every piece that the foot does not hold
+  Eigen::Vector3d gravity_m_s2 = Eigen::Vector3d::Zero();
+  IsotropicMaterial material;
+  int cells_before = 0;
+  int cuts = 0;
+  int pieces = 0;
+  int loose_pieces = 0;      ///< pieces that are held whole because nothing else holds them
+  int cells_left_whole = 0;  ///< cells that a cut passed and could not split soundly
+  int violations = 0;        ///< of the mesh's invariants after all cuts
+  double volume_error = 0;   ///< relative change of the volume by all cuts
+  double cutting_s = 0;      ///< wall time of all cuts
+  double mass_floor_kg = 0;  ///< the simulation's default: 2 % of the median vertex mass before any cut
+};
+
+/// The block [0, 3]^3 m of n^3 hexahedra on its fixed foot, under the planes x = 0.5, x = 1.5, y = 1.5 (M.
+/// Wicke, M. Botsch, M. Gross 2007): n = 3 gives 60 cells from 27. Gravity acts across the columns that are
+/// left.
+CutBody makeCutBlock(int n);
+
+/// A ball of radius 50 mm of 5 (2 half_count)^3 tetrahedra, its lowest part fixed, under curved cuts: a bowed
+/// blade that turns and wanders as it comes down, from above the ball to 0.7 of its height.
+CutBody makeCutBall(int half_count, int num_cuts);
+
+/// A volume mesh from a file under the same kind of cuts, its lowest tenth fixed.
+CutBody makeCutFile(const std::string& name, const std::string& path, int num_cuts);
+
+}  // namespace polyscalpel::report

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "benchmark/timing.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace polyscalpel::report {
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+double secondsOf(const std::function<void()>& task) {
+  const auto start = std::chrono::steady_clock::now();
+  task();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::vector<double> medianSeconds(const std::vector<std::function<void()>>& tasks, int rounds) {
+  std::vector<std::vector<double>> times(tasks.size());
+  for (int round = 0; round <= rounds; ++round) {
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      const double time = secondsOf(tasks[i]);
+      if (round > 0) times[i].push_back(time);
+    }
+  }
+  std::vector<double> medians;
+  for (const std::vector<double>& of_task : times) medians.push_back(median(of_task));
+  return medians;
+}
+
+}  // namespace polyscalpel::report
