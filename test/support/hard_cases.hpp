@@ -18,8 +18,10 @@ struct HardCase {
   std::string quantity;      ///< what value is, with its unit
   double value = 0;
   double bound = 0;
-  /// value <= bound, nothing thrown, everything finite, and what else the row asks for.
-  bool held = false;
+  bool held = false;  ///< value <= bound, and as_said
+  /// Whether all else that the row says was found so: every step solved, everything finite, no cell inverted.
+  /// True in a row where we lose as well; false where anything was thrown.
+  bool as_said = false;
   /// False in a row where we lose: it then says what happens instead.
   bool expected_to_hold = true;
 };

@@ -38,14 +38,13 @@ CellErrors measureCell(const CellSurface& surface) {
   Matrix3d gradient;
   gradient << 0.011, -0.004, 0.007, 0.003, -0.009, 0.002, -0.005, 0.006, 0.008;
   const Matrix3d strain = 0.5 * (gradient + gradient.transpose());
-  const Matrix3d stress = lameLambda(kMaterial) * strain.trace() * Matrix3d::Identity() +
-                          2 * shearModulus(kMaterial) * strain;
+  const Matrix3d stress =
+      lameLambda(kMaterial) * strain.trace() * Matrix3d::Identity() + 2 * shearModulus(kMaterial) * strain;
   Matrix3Xd expected = Matrix3Xd::Zero(3, surface.points.cols());
   for (const std::array<int, 3>& triangle : surface.triangles) {
     const Vector3d a = surface.points.col(triangle[0]);
-    const Vector3d force = stress *
-                           (surface.points.col(triangle[1]) - a).cross(surface.points.col(triangle[2]) - a) /
-                           6;
+    const Vector3d force =
+        stress * (surface.points.col(triangle[1]) - a).cross(surface.points.col(triangle[2]) - a) / 6;
     for (const int point : triangle) expected.col(point) += force;
   }
   for (std::size_t k = 0; k < surface.parents.size(); ++k) {
@@ -99,8 +98,9 @@ HardCase cutNear(const Vector3d& normal, Extent extent) {
   }
   // The estimate counts every term; more than that is a loss of digits by the formula.
   judge(row, all.roundings, 1);
-  row.what_happens = "Both parts give a linear field's forces to rounding at every distance; at 1e-10 that is " +
-                     figure(last.relative) + " of the force.";
+  row.what_happens =
+      "Both parts give a linear field's forces to rounding at every distance; at 1e-10 that is " +
+      figure(last.relative) + " of the force.";
   row.limit = "1e-10 of the edge is the smallest distance tried.";
   if (extent == Extent::kFull) {
     int digits = 10;
@@ -209,9 +209,10 @@ HardCase bentFaces(Extent extent) {
     all = worse(all, measureCell(makeSurface(makeBentCube(part))));
   }
   judge(row, all.roundings, 1);
-  row.what_happens = "Cubes whose vertices lie 1 to 20 % of the edge off their faces, to both sides in turn, "
-                     "give a linear field's forces to " +
-                     figure(all.relative) + ".";
+  row.what_happens =
+      "Cubes whose vertices lie 1 to 20 % of the edge off their faces, to both sides in turn, "
+      "give a linear field's forces to " +
+      figure(all.relative) + ".";
   row.limit = "20 % is the most tried.";
   if (extent == Extent::kFull) {
     double part = 0.2;
@@ -229,9 +230,18 @@ HardCase bentFaces(Extent extent) {
 }  // namespace
 
 std::vector<HardCaseEntry> elementCases() {
-  return {{"cell cut near a vertex", [](Extent extent) { return cutNear({1, 1.1, 0.9}, extent); }},
-          {"cell cut near an edge", [](Extent extent) { return cutNear({1, 0.8, 0}, extent); }},
-          {"cell cut near a face", [](Extent extent) { return cutNear({1, 0, 0}, extent); }},
+  return {{"cell cut near a vertex",
+           [](Extent extent) {
+             return cutNear({1, 1.1, 0.9}, extent);
+           }},
+          {"cell cut near an edge",
+           [](Extent extent) {
+             return cutNear({1, 0.8, 0}, extent);
+           }},
+          {"cell cut near a face",
+           [](Extent extent) {
+             return cutNear({1, 0, 0}, extent);
+           }},
           {"vertices inside faces and edges", manyVerticesInFaces},
           {"faces bent by 1 to 20 %", bentFaces},
           {"cell with 60 faces", sixtyFaces}};

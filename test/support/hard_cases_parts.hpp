@@ -26,8 +26,8 @@ std::vector<HardCaseEntry> motionCases();
 /// A figure as the table shows it: two digits.
 std::string figure(double value);
 
-/// Sets held from value and bound (a NaN does not hold) and from what else the row asks for.
-void judge(HardCase& row, double value, double bound, bool all_sound = true);
+/// Sets held from value and bound (a NaN does not hold) and from what else the row says.
+void judge(HardCase& row, double value, double bound, bool as_said = true);
 
 /// Box with grid lines at the given coordinates [m], ascending.
 PolyhedralMesh makeGridBox(const std::vector<double>& xs, const std::vector<double>& ys,
