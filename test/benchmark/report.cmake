@@ -15,7 +15,7 @@ add_executable(polyscalpel_test_report EXCLUDE_FROM_ALL ${report_sources})
 set_target_properties(polyscalpel_test_report PROPERTIES OUTPUT_NAME polyscalpel_report
   RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
 target_include_directories(polyscalpel_test_report PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/test)
-target_link_libraries(polyscalpel_test_report PRIVATE polyscalpel_core nlohmann_json::nlohmann_json)
+target_link_libraries(polyscalpel_test_report PRIVATE polyscalpel_test_support nlohmann_json::nlohmann_json)
 string(STRIP "${CMAKE_BUILD_TYPE}: ${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_RELEASE}" report_flags)
 target_compile_definitions(polyscalpel_test_report PRIVATE POLYSCALPEL_REPORT_FLAGS="${report_flags}")
 # Without Bullet the report says that its part was not measured.

@@ -51,5 +51,6 @@ Rows studyCutting(const Context& context);
 Rows studyIntegration(const Context& context);
 Rows studyStages(const Context& context);
 Rows studyPeers(const Context& context);
+Rows studyHardCases(const Context& context);
 
 }  // namespace polyscalpel::report

@@ -25,7 +25,8 @@ const std::vector<Section> kSections = {{"formulations", studyFormulations},
                                         {"cutting", studyCutting},
                                         {"integration", studyIntegration},
                                         {"stages", studyStages},
-                                        {"peers", studyPeers}};
+                                        {"peers", studyPeers},
+                                        {"hard_cases", studyHardCases}};
 
 Mode parseMode(const std::string& name) {
   if (name == "quick") return Mode::kQuick;
@@ -91,7 +92,6 @@ int run(int argc, char** argv) {
     broken.insert(broken.end(), of_section.begin(), of_section.end());
     document[section.name] = std::move(rows);
   }
-  document["hard_cases"] = Row::array();
   progress.finish();
   document["machine"] = describeMachine();
   document["commit"] = options.values["commit"];
