@@ -16,10 +16,10 @@ class HardCasesTest : public testing::TestWithParam<HardCaseEntry> {};
 TEST_P(HardCasesTest, IsAsTheTableSays) {
   const HardCase row = GetParam().run(Extent::kShort);
   EXPECT_TRUE(row.as_said) << row.what_happens;
-  EXPECT_EQ(row.held, row.expected_to_hold) << row.quantity << ": " << row.value << ", bound " << row.bound
-                                            << "\n"
-                                            << row.what_happens << "\n"
-                                            << row.limit;
+  EXPECT_EQ(row.held, row.expected_to_hold)
+      << row.quantity << ": " << row.value << ", bound " << row.bound << "\n"
+      << row.what_happens << "\n"
+      << row.limit;
   EXPECT_GT(row.bound, 0);
   for (const std::string& text : {row.what_happens, row.limit, row.quantity}) EXPECT_FALSE(text.empty());
 }

@@ -454,7 +454,7 @@ HardCase manySteps(Extent extent) {
 HardCase thrown(Strain strain, bool tetrahedra, Extent extent) {
   HardCase row;
   row.quantity = "distance from rest over the size, the worst of all throws";
-  const int throws = extent == Extent::kFull ? 20 : 5, steps = extent == Extent::kFull ? 1500 : 300;
+  const int throws = extent == Extent::kFull ? 20 : 5, steps = extent == Extent::kFull ? 1000 : 300;
   constexpr double kSize = 0.1;
   double worst = 0, lowest = kInfinity;
   int came_back = 0, all = 0;
