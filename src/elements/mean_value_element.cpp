@@ -32,14 +32,20 @@ void removeLinearFields(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
   Eigen::MatrixXd Q = -points.transpose() * mean_gradient;
   Q.diagonal().array() += 1;
   H.triangularView<Eigen::StrictlyUpper>() = H.transpose();
-  Eigen::MatrixXd HQ = Eigen::MatrixXd::Zero(3 * n, 3 * n);
-  for (Eigen::Index b = 0; b < n; ++b) {
-    for (Eigen::Index c = 0; c < n; ++c) HQ.middleCols<3>(3 * b) += Q(c, b) * H.middleCols<3>(3 * c);
-  }
-  H.setZero();
-  for (Eigen::Index a = 0; a < n; ++a) {
-    for (Eigen::Index c = 0; c < n; ++c) H.middleRows<3>(3 * a) += Q(c, a) * HQ.middleRows<3>(3 * c);
-  }
+  // A Q, for each of a vertex's three columns.
+  const auto timesQ = [&](const Eigen::MatrixXd& A) {
+    using Columns = Eigen::OuterStride<>;
+    Eigen::MatrixXd product(3 * n, 3 * n);
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Map<const Eigen::MatrixXd, 0, Columns> of_A(A.data() + 3 * n * k, 3 * n, n,
+                                                               Columns(9 * n));
+      Eigen::Map<Eigen::MatrixXd, 0, Columns> of_product(product.data() + 3 * n * k, 3 * n, n,
+                                                         Columns(9 * n));
+      of_product.noalias() = of_A.lazyProduct(Q);
+    }
+    return product;
+  };
+  H = timesQ(timesQ(H).transpose());
 }
 
 class MeanValueElement final : public ElementFormulation {

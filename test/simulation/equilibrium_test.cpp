@@ -129,7 +129,7 @@ TEST(Equilibrium, WithoutForceABodyStaysAndABentOneGoesBack) {
   const Eigen::Matrix3Xd rest = beam.state.positions;
   EquilibriumResult result = beam.solve();
   ASSERT_TRUE(result.converged) << result.message;
-  EXPECT_EQ(result.iterations, 0);
+  EXPECT_LE(result.iterations, 1);  // rounding may ask for a step that is too short to take
   EXPECT_EQ(beam.state.positions, rest);
   for (int i = 0; i < beam.mesh.numVertices(); ++i) {
     const double x = rest(0, i);

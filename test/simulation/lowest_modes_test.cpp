@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/lowest_modes.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -52,19 +53,19 @@ Eigen::Vector2d bendingErrors(const PolyhedralMesh& mesh, const ElementConfig& c
 class LowestModes : public testing::TestWithParam<std::tuple<BodyKind, Formulation>> {};
 
 // Timoshenko's theory itself is right to some tenths of a per cent here, so the error falls down to that.
-// Measured at n = 4: 0.8 % (mean values), 1.3 % (virtual element), sliced or not.
+// Measured at n = 4: 0.8 % (mean values), 0.2 % (virtual element), a little more where sliced.
+constexpr double kErrorOfTheory = 0.003;
 TEST_P(LowestModes, OfAFreeBeamAreTimoshenkos) {
   const auto [kind, formulation] = GetParam();
   ElementConfig config;
   config.formulation = formulation;
-  config.stabilisation_modulus = StabilisationModulus::kShear;
   Eigen::Vector2d last = Eigen::Vector2d::Constant(kInfinity);
   for (const int n : {2, 3, 4}) {
     const PolyhedralMesh mesh = makeStudyMesh(kind, Eigen::Vector3d::Zero(), kSize, {12 * n, n, n}, 2);
     const Eigen::Vector2d errors = bendingErrors(mesh, config);
     RecordProperty("errors_" + std::to_string(n),
                    std::to_string(errors[0]) + " " + std::to_string(errors[1]));
-    EXPECT_TRUE((errors.array() < last.array()).all()) << n;
+    for (int pair = 0; pair < 2; ++pair) EXPECT_LT(errors[pair], std::max(last[pair], kErrorOfTheory)) << n;
     last = errors;
   }
   EXPECT_LT(last.maxCoeff(), 0.02);
