@@ -209,6 +209,38 @@ TEST(Assembly, FollowsACutAsIfMadeAnew) {
   }
 }
 
+TEST(Assembly, ACutKeepsTheKindOfItsCells) {
+  PolyhedralMesh mesh = makeHexes();
+  const auto kindAt = [&](CellId cell) {
+    double x = 0;
+    const std::vector<VertexId>& vertices = mesh.cell(cell).vertices;
+    for (const VertexId vertex : vertices) x += mesh.restPosition(vertex).x();
+    return x < 0.1 * static_cast<double>(vertices.size()) ? 0 : 1;
+  };
+  CellKinds kinds;
+  kinds.kinds = {{kMaterial, {}}, {{1e6, 0.3, 3000}, {}}};
+  kinds.kinds[1].element.formulation = Formulation::kVirtual;
+  kinds.of_cell.resize(mesh.cellCapacity());
+  for (const CellId cell : mesh.cells()) kinds.of_cell[cell.index()] = kindAt(cell);
+  Assembly assembly(mesh, kinds, 0);
+  const double mass = assembly.vertexMasses().sum();
+  EXPECT_NEAR(mass, 0.5 * (1100 + 3000) * 0.2 * 0.1 * 0.1, 1e-12);
+  const PlaneCut planes[] = {{{0.093, 0.052, 0.047}, {1, 0.4, 0.3}}, {{0.1, 0.048, 0.05}, {0.2, 1, -0.3}}};
+  int cut = 0;
+  for (const PlaneCut& plane : planes) {
+    const CutResult result = cutMesh(mesh, mesh.restPositions(), plane, CuttingConfig(), ++cut);
+    ASSERT_EQ(result.status, CutStatus::kCut) << result.message;
+    assembly.update(mesh, result.change);
+  }
+  int in_second = 0;
+  for (const CellId cell : mesh.cells()) {
+    EXPECT_EQ(assembly.kindOf(cell), kindAt(cell));  // no cell crosses the border at x = 0.1
+    in_second += assembly.kindOf(cell);
+  }
+  EXPECT_GT(in_second, 8);
+  EXPECT_NEAR(assembly.vertexMasses().sum(), mass, 1e-12);
+}
+
 TEST(Assembly, MassFloorHoldsWhereACutHasBeenAndNowhereElse) {
   constexpr double kFloor = 0.5;  // high, so that the cut's vertices are below it
   PolyhedralMesh mesh = makeTets();
