@@ -9,6 +9,7 @@ file alone. Ends with 1 where a value that the report holds is broken: the repor
 import argparse
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -33,6 +34,9 @@ def package_versions():
 
 
 def commit(root):
+    if not shutil.which("git"):
+        return "unknown: there is no git here"
+
     def git(*arguments):
         return subprocess.run(["git", "-c", "safe.directory=*", "-C", root, *arguments], capture_output=True, text=True,
                               check=False).stdout.strip()
