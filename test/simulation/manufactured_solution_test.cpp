@@ -80,16 +80,10 @@ INSTANTIATE_TEST_SUITE_P(Tetrahedra, Convergence,
 INSTANTIATE_TEST_SUITE_P(Hexahedra, Convergence,
                          testing::Combine(testing::Values(BodyKind::kHexahedra),
                                           testing::Values(kMeanValue4, kMeanValue1, kVirtual)));
-// Sanitisers slow these down tenfold, and would see nothing in them that they do not see in the others.
-#ifndef __SANITIZE_ADDRESS__
 INSTANTIATE_TEST_SUITE_P(Polyhedra, Convergence,
                          testing::Combine(testing::Values(BodyKind::kVoronoi, BodyKind::kSlicedHexahedra,
                                                           BodyKind::kSlicedTetrahedra),
                                           testing::Values(kMeanValue4, kMeanValue1, kVirtual)));
-#else
-INSTANTIATE_TEST_SUITE_P(Polyhedra, Convergence,
-                         testing::Values(std::make_tuple(BodyKind::kSlicedHexahedra, kMeanValue4)));
-#endif
 
 }  // namespace
 }  // namespace polyscalpel
