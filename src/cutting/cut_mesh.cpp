@@ -11,6 +11,7 @@
 #include "polyscalpel/cutting/blade_sweep.hpp"
 #include "polyscalpel/cutting/crossings.hpp"
 #include "polyscalpel/cutting/cut_input.hpp"
+#include "polyscalpel/cutting/front_closure.hpp"
 #include "polyscalpel/cutting/split_cells.hpp"
 #include "polyscalpel/mesh/mesh_editing.hpp"
 
@@ -20,6 +21,11 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Matrix3Xd;
 using Positions = Eigen::Ref<const Matrix3Xd>;
+
+/// The last part of a motion, from which the direction is taken in which the blade arrives.
+constexpr double kLatePart = 1.0 / 16;
+/// Travel, in localSize, over which the direction of the blade is taken.
+constexpr double kSteadyTravel = 0.1;
 
 bool isAlwaysReady(CellId) {
   return true;
@@ -53,6 +59,11 @@ class CutTransaction {
     MeshChange change = editor_.changeSince(savepoint);
     if (!change.isEmpty()) crossings_.update(mesh_, change);
     return change;
+  }
+
+  /// Divides the cells in which the blade stands; positions get the new vertices.
+  void close(Matrix3Xd& positions, const BladeFront& front) {
+    closeFront(editor_, crossings_, positions, front, config_.snap_tolerance);
   }
 
   /// Cells that could not be split, of all rounds.
@@ -106,12 +117,44 @@ struct BladeCut::Impl {
   Matrix3Xd edge_tool;
   CuttingConfig config;
   Crossings crossings;
-  std::set<CellId> refused;   // could not be split; tried once more when the stroke ends
-  std::optional<int> pieces;  // of the mesh as it was last seen
+  std::set<CellId> refused;         // could not be split; tried once more when the stroke ends
+  std::optional<int> pieces;        // of the mesh as it was last seen
+  std::optional<BladeFront> front;  // since the blade is in the tissue
+  Matrix3Xd travel_since;           // of the blade relative to the tissue, not in front->travel_world yet
 
   void forget() {
     crossings.clear();
     refused.clear();
+    front.reset();
+  }
+
+  /// Follows the way of the blade relative to the tissue around it.
+  void followFront(const PolyhedralMesh& mesh, const BladeMotion& motion) {
+    const Matrix3Xd blade_world = motion.T_world_tool_end * edge_tool;
+    if (!front) {
+      front = BladeFront{blade_world, Matrix3Xd::Zero(3, edge_tool.cols()), 0};
+      travel_since = Matrix3Xd::Zero(3, edge_tool.cols());
+    }
+    Eigen::Vector3d drift = Eigen::Vector3d::Zero();
+    double size = kInfinity;
+    for (const auto& [edge, crossed] : crossings.edges()) {
+      for (const VertexId v : {edge.first, edge.second}) {
+        drift += motion.positions_end.col(v.index()) - motion.positions_start.col(v.index());
+        size = std::min(size, mesh.localSize(v));
+      }
+    }
+    if (!crossings.edges().empty()) drift /= 2.0 * static_cast<double>(crossings.edges().size());
+
+    // The direction in which the blade arrives, and the whole way.
+    const Isometry3d T_late = interpolate(motion.T_world_tool_start, motion.T_world_tool_end, 1 - kLatePart);
+    travel_since += ((blade_world - T_late * edge_tool) / kLatePart).colwise() - drift;
+    const Matrix3Xd way = (blade_world - motion.T_world_tool_start * edge_tool).colwise() - drift;
+    front->blade_world = blade_world;
+    front->stroke_length_m += way.colwise().norm().maxCoeff();
+    if (front->travel_world.isZero(0) || travel_since.colwise().norm().maxCoeff() > kSteadyTravel * size) {
+      front->travel_world = travel_since;
+      travel_since.setZero();
+    }
   }
 
   void complete(const PolyhedralMesh& mesh, int pieces_before, CutResult& result) {
@@ -132,15 +175,23 @@ struct BladeCut::Impl {
     return transaction.split(isAlwaysReady);
   }
 
+  /// Splits whatever the blade has passed, up to where it stands.
+  void splitToFront(CutTransaction& transaction, const Positions& positions) {
+    if (front) {
+      Matrix3Xd moved = positions;
+      transaction.close(moved, *front);
+    }
+    splitAll(transaction);
+  }
+
   /// One motion within a transaction. Returns what it changed; sets has_left where it ended the stroke.
   MeshChange move(CutTransaction& transaction, const PolyhedralMesh& mesh, const BladeMotion& motion,
                   bool& has_left) {
     transaction.remember(findHits(mesh, motion, config.max_travel));
-    has_left = false;
-    if (crossings.isEmpty()) return {};
     const Matrix3Xd blade_world = motion.T_world_tool_end * edge_tool;
-    if (!isBladeInTissue(mesh, motion.positions_end, blade_world, config.hold_back)) {
-      has_left = true;
+    has_left = !isBladeInTissue(mesh, motion.positions_end, blade_world, config.hold_back);
+    followFront(mesh, motion);
+    if (has_left) {
       return splitAll(transaction);
     }
     const int first_new = mesh.cellCapacity();
@@ -184,13 +235,18 @@ CutResult BladeCut::advance(PolyhedralMesh& mesh, const Positions& positions_sta
   return result;
 }
 
-CutResult BladeCut::finish(PolyhedralMesh& mesh, const Positions&, int cut) {
+CutResult BladeCut::closeFront(PolyhedralMesh& mesh, const Positions& positions, int cut) {
   const int pieces_before = impl_->countPieces(mesh);
   CutTransaction transaction(mesh, impl_->crossings, impl_->config, cut);
-  impl_->splitAll(transaction);
+  impl_->splitToFront(transaction, positions);
   CutResult result = transaction.finish(true);
-  impl_->forget();
   impl_->complete(mesh, pieces_before, result);
+  return result;
+}
+
+CutResult BladeCut::finish(PolyhedralMesh& mesh, const Positions& positions, int cut) {
+  CutResult result = closeFront(mesh, positions, cut);
+  impl_->forget();
   return result;
 }
 
@@ -232,7 +288,7 @@ CutResult cutMesh(PolyhedralMesh& mesh, const Positions& positions, const CutOpe
       extendByNewVertices(change.new_vertices, moved);
       if (has_left) stroke.forget();
     }
-    if (!has_left) stroke.splitAll(transaction);
+    if (!has_left) stroke.splitToFront(transaction, moved);
     result = transaction.finish(true);
   } else {
     Crossings crossings;

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "polyscalpel/core/checks.hpp"
+#include "polyscalpel/cutting/cap_facets.hpp"
 #include "polyscalpel/mesh/mesh_checks.hpp"
 #include "polyscalpel/mesh/surface.hpp"
 
@@ -66,7 +67,8 @@ class CellSplit {
   bool run(int cut) {
     splitCrossedEdges();
     if (!splitFaces() || !findCap()) return false;
-    const auto split = editor_.splitCell(cell_, first_faces_, cap_loop_, cut);
+    const auto facets = makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false));
+    const auto split = editor_.splitCell(cell_, first_faces_, facets, cut);
     first = split.first;
     second = split.second;
     cap = split.cap;
@@ -77,11 +79,15 @@ class CellSplit {
   }
 
   CellId first, second;
-  FaceId cap;
+  std::vector<FaceId> cap;
   /// Side of the blade's surface on which the first part lies.
   int firstSide() const { return side_votes_ >= 0 ? 1 : -1; }
   const std::vector<VertexId>& capLoop() const { return cap_loop_; }
   const std::vector<std::pair<Edge, VertexId>>& splitEdges() const { return split_edges_; }
+  /// Faces that gave way to two parts each, in the order of dividing.
+  const std::vector<std::pair<FaceId, std::pair<FaceId, FaceId>>>& splitFaceParts() const {
+    return split_faces_;
+  }
 
  private:
   const PolyhedralMesh& mesh() const { return editor_.mesh(); }
@@ -126,7 +132,9 @@ class CellSplit {
       for (const CellId around : mesh().face(id).cells) {
         if (around.isValid()) touched_.insert(around);
       }
-      pending.push_back(editor_.splitFace(id, loop[start], loop[end % n]).second);
+      const auto parts = editor_.splitFace(id, loop[start], loop[end % n]);
+      split_faces_.emplace_back(id, parts);
+      pending.push_back(parts.second);
     }
     return true;
   }
@@ -173,6 +181,19 @@ class CellSplit {
     return true;
   }
 
+  /// Mean of the vertices that one part will have.
+  Eigen::Vector3d vertexMeanOfPart(bool is_first) const {
+    std::set<VertexId> vertices;
+    for (const FaceId id : mesh().cell(cell_).faces) {
+      const bool is_in_first = std::find(first_faces_.begin(), first_faces_.end(), id) != first_faces_.end();
+      if (is_in_first != is_first) continue;
+      vertices.insert(mesh().face(id).loop.begin(), mesh().face(id).loop.end());
+    }
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const VertexId v : vertices) sum += mesh().restPosition(v);
+    return sum / static_cast<double>(vertices.size());
+  }
+
   bool isSound(CellId id) const {
     double size = kInfinity;
     for (const VertexId v : mesh().cell(id).vertices) size = std::min(size, mesh().localSize(v));
@@ -187,6 +208,7 @@ class CellSplit {
   std::set<VertexId> middles_;
   std::set<CellId> touched_;
   std::vector<std::pair<Edge, VertexId>> split_edges_;
+  std::vector<std::pair<FaceId, std::pair<FaceId, FaceId>>> split_faces_;
   std::vector<FaceId> first_faces_;
   std::vector<VertexId> cap_loop_;
   int side_votes_ = 0;
@@ -247,11 +269,10 @@ class Splitter {
       const Face& face = mesh().face(id);
       const int sides =
           crossings_.sideOf(mesh(), face.cells[0], id) * crossings_.sideOf(mesh(), face.cells[1], id);
-      if (sides < 0) caps_.push_back(id);
+      if (sides < 0) caps_.insert(id);
     }
     std::set<VertexId> opened;
     for (const FaceId id : caps_) {
-      if (mesh().face(id).isBoundary()) continue;
       counts.cap_area_m2 += area(mesh(), id);
       opened.insert(mesh().face(id).loop.begin(), mesh().face(id).loop.end());
       editor_.openFace(id, cut_);
@@ -276,7 +297,11 @@ class Splitter {
       }
       for (const auto& [edge, middle] : split.splitEdges()) crossings_.recordSplitEdge(mesh(), edge, middle);
       crossings_.recordSplitCell(cell, split.first, split.second, split.capLoop(), split.firstSide());
-      caps_.push_back(split.cap);
+      for (const auto& [face, face_parts] : split.splitFaceParts()) {
+        // A second sheet of the same stroke may divide the cap that the first one has made.
+        if (caps_.erase(face)) caps_.insert({face_parts.first, face_parts.second});
+      }
+      caps_.insert(split.cap.begin(), split.cap.end());
       parts.push_back(split.first);
       parts.push_back(split.second);
       ++counts.cells_split;
@@ -323,13 +348,13 @@ class Splitter {
   Crossings& crossings_;
   double snap_tolerance_;
   int cut_;
-  std::vector<FaceId> caps_;
+  std::set<FaceId> caps_;  // closed as yet
 };
 
 }  // namespace
 
 SplitCounts splitCells(MeshEditor& editor, Crossings& crossings, const std::function<bool(CellId)>& is_ready,
-                       double snap_tolerance, int cut) {
+                       double snap_tolerance, int cut, Slit slit) {
   Splitter splitter(editor, crossings, snap_tolerance, cut);
   // A split puts vertices on its neighbours' edges, and a corner that joins the cut concerns all cells around
   // it.
@@ -339,7 +364,7 @@ SplitCounts splitCells(MeshEditor& editor, Crossings& crossings, const std::func
       if (editor.mesh().cell(cell).isAlive()) splitter.splitRepeatedly(cell);
     }
   }
-  splitter.openSlit(is_ready);
+  if (slit == Slit::kOpen) splitter.openSlit(is_ready);
   return splitter.counts;
 }
 

@@ -233,7 +233,7 @@ std::pair<FaceId, FaceId> MeshEditor::splitFace(FaceId id, VertexId a, VertexId 
 }
 
 MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceId>& first_faces,
-                                            const std::vector<VertexId>& cap_loop, int cut) {
+                                            const std::vector<std::vector<VertexId>>& cap_facets, int cut) {
   std::vector<FaceId> second_faces;
   for (const FaceId face : mesh_.cell(cell).faces) {
     if (std::find(first_faces.begin(), first_faces.end(), face) == first_faces.end())
@@ -243,12 +243,14 @@ MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceI
   SplitCell split;
   split.first = addCell(cell, first_faces);
   split.second = addCell(cell, second_faces);
-  Face cap;
-  cap.loop = cap_loop;
-  cap.is_corner.assign(cap_loop.size(), char(1));
-  cap.cells = {split.first, split.second};
-  cap.cut = cut;
-  split.cap = addFace(std::move(cap));
+  for (const auto& loop : cap_facets) {
+    Face facet;
+    facet.loop = loop;
+    facet.is_corner.assign(loop.size(), char(1));
+    facet.cells = {split.first, split.second};
+    facet.cut = cut;
+    split.cap.push_back(addFace(std::move(facet)));
+  }
 
   for (const auto& [part, faces] :
        {std::make_pair(split.first, &first_faces),
@@ -257,7 +259,8 @@ MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceI
       Face& face = touchFace(id);
       face.cells[face.cells[0] == cell ? 0 : 1] = part;
     }
-    mesh_.cells_[part.index()].faces.push_back(split.cap);
+    auto& part_faces = mesh_.cells_[part.index()].faces;
+    part_faces.insert(part_faces.end(), split.cap.begin(), split.cap.end());
     refreshVertices(part);
   }
   touchCell(cell) = Cell{};

@@ -49,6 +49,9 @@ class Crossings {
   /// does not count the corners of its own cap, so that a blade which turns back can split it once more.
   bool isSnapped(CellId cell, VertexId vertex) const;
 
+  /// Whether the vertex lies on the blade's surface: snapped to it, or made on it.
+  bool isOnCut(VertexId vertex) const { return snaps_.count(vertex) > 0; }
+
   /// Side of the blade's surface on which a vertex lies that an edge joins to a snapped one; 0 where that is
   /// not known.
   int sideOfNeighbour(VertexId snapped, VertexId neighbour) const;

@@ -40,7 +40,7 @@ struct PolygonCut {
 };
 
 /// The ruled surface swept by a polyline blade edge through the given positions, in deformed space, tissue
-/// held still.
+/// held still. Where it ends within the tissue, the slit reaches up to the blade.
 struct SweepCut {
   Eigen::Matrix3Xd edge_tool;                   ///< 3 x k, k >= 2 [m]
   std::vector<Eigen::Isometry3d> T_world_tool;  ///< at least 2
@@ -92,8 +92,12 @@ class BladeCut {
                     const Eigen::Isometry3d& T_world_tool_start, const Eigen::Isometry3d& T_world_tool_end,
                     int cut);
 
-  /// Ends the stroke: splits every cell that is passed, whether or not the blade has left it, and forgets the
-  /// rest.
+  /// Splits up to where the blade stands: what it has passed, whether or not it has left it, and the cells in
+  /// which it stands, divided there (front_closure.hpp). The stroke goes on. Cells divided without being
+  /// opened are not counted in CutResult::cells_split.
+  CutResult closeFront(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions, int cut);
+
+  /// Ends the stroke: closeFront(), then forgets what is still crossed.
   CutResult finish(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions, int cut);
 
   /// Forgets everything remembered, without cutting.

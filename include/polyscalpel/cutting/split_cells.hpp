@@ -16,6 +16,9 @@ struct SplitCounts {
   std::vector<CellId> left_whole;
 };
 
+/// Whether the caps and the faces that lie in the slit are opened.
+enum class Slit { kOpen, kClosed };
+
 /// Splits every cell that `is_ready` and whose vertices the crossings disconnect, opens the new caps and the
 /// faces that lie in the slit, and gives the separated sides vertices of their own. Each cell is split by
 /// itself: the smaller component of its vertices gets the faces it reaches, the border over these faces is
@@ -23,6 +26,6 @@ struct SplitCounts {
 /// undone; then a thin component, at most 4 vertices within 2 snap_tolerance h of the cut, joins the cut;
 /// then the cell is left whole and counted.
 SplitCounts splitCells(MeshEditor& editor, Crossings& crossings, const std::function<bool(CellId)>& is_ready,
-                       double snap_tolerance, int cut);
+                       double snap_tolerance, int cut, Slit slit = Slit::kOpen);
 
 }  // namespace polyscalpel

@@ -35,14 +35,15 @@ class MeshEditor {
   /// cells get both parts. Returns the part with the loop a ... b first.
   std::pair<FaceId, FaceId> splitFace(FaceId face, VertexId a, VertexId b);
 
-  /// Divides a cell by a new face, the cap, shared by both parts. first_faces: the faces of the first part;
-  /// cap_loop: counter-clockwise seen from outside the first part. Returns first part, second part, cap.
+  /// Divides a cell by new faces, the cap, shared by both parts. first_faces: the faces of the first part;
+  /// cap_facets: loops of the cap's faces, counter-clockwise seen from outside the first part, which together
+  /// close both parts. Returns first part, second part, the cap's faces.
   struct SplitCell {
     CellId first, second;
-    FaceId cap;
+    std::vector<FaceId> cap;
   };
   SplitCell splitCell(CellId cell, const std::vector<FaceId>& first_faces,
-                      const std::vector<VertexId>& cap_loop, int cut);
+                      const std::vector<std::vector<VertexId>>& cap_facets, int cut);
 
   /// Replaces a face between two cells by two boundary faces in the same place, marked with the cut's number.
   void openFace(FaceId face, int cut);

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/cutting/cap_facets.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+namespace polyscalpel {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A loop is planar when no corner lies further from its plane than this times its extent, or than the
+/// rounding of the coordinates: what a plane that cuts a cell in rest shape leaves.
+constexpr double kPlanar = 1e-12;
+constexpr double kRoundings = 16;
+
+bool isPlanar(const Eigen::Matrix3Xd& points) {
+  const Vector3d mean = points.rowwise().mean();
+  Vector3d area = Vector3d::Zero();
+  const Eigen::Index n = points.cols();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    area += (points.col(i) - mean).cross(points.col((i + 1) % n) - mean);
+  }
+  if (area.isZero(0)) return false;
+  const Eigen::Matrix3Xd arms = points.colwise() - mean;
+  const double bend = (area.normalized().transpose() * arms).cwiseAbs().maxCoeff();
+  const double extent = arms.colwise().norm().maxCoeff();
+  const double rounding = kRoundings * std::numeric_limits<double>::epsilon() * points.cwiseAbs().maxCoeff();
+  return bend <= std::max(kPlanar * extent, rounding);
+}
+
+}  // namespace
+
+std::vector<std::vector<VertexId>> makeCapFacets(const PolyhedralMesh& mesh,
+                                                 const std::vector<VertexId>& cap_loop,
+                                                 const Vector3d& apex_behind, const Vector3d& apex_before) {
+  const int n = static_cast<int>(cap_loop.size());
+  Eigen::Matrix3Xd points(3, n);
+  for (int i = 0; i < n; ++i) points.col(i) = mesh.restPosition(cap_loop[i]);
+  if (n == 3 || isPlanar(points)) return {cap_loop};
+
+  const auto worth = [&](int i, int j, int k) {
+    const Vector3d a = points.col(i), normal = (points.col(j) - a).cross(points.col(k) - a);
+    return std::min(normal.dot(a - apex_behind), normal.dot(apex_before - a));
+  };
+  // best(i, j): the largest worst triangle over all triangulations of the corners i ... j; apex(i, j): third
+  // corner of the triangle at the chord from i to j in that one.
+  Eigen::MatrixXd best = Eigen::MatrixXd::Constant(n, n, kInfinity);
+  Eigen::MatrixXi apex = Eigen::MatrixXi::Constant(n, n, -1);
+  for (int width = 2; width < n; ++width) {
+    for (int i = 0; i + width < n; ++i) {
+      const int j = i + width;
+      best(i, j) = -kInfinity;
+      for (int k = i + 1; k < j; ++k) {
+        const double worst = std::min({best(i, k), best(k, j), worth(i, k, j)});
+        if (apex(i, j) >= 0 && worst <= best(i, j)) continue;
+        best(i, j) = worst;
+        apex(i, j) = k;
+      }
+    }
+  }
+  std::vector<std::vector<VertexId>> facets;
+  std::vector<std::pair<int, int>> chords{{0, n - 1}};
+  while (!chords.empty()) {
+    const auto [i, j] = chords.back();
+    chords.pop_back();
+    if (j - i < 2) continue;
+    const int k = apex(i, j);
+    facets.push_back({cap_loop[i], cap_loop[k], cap_loop[j]});
+    chords.emplace_back(i, k);
+    chords.emplace_back(k, j);
+  }
+  return facets;
+}
+
+}  // namespace polyscalpel
