@@ -121,7 +121,7 @@ MeanValueCoordinates<Scalar>& MeanValueCoordinates<Scalar>::operator=(MeanValueC
 
 template <class Scalar>
 void MeanValueCoordinates<Scalar>::setSurface(const CellSurface& surface) {
-  origin_ = vertexMean(surface);
+  origin_ = starCentre(surface);
   num_vertices_ = surface.num_vertices;
   num_points_ = 0;
   kernel_->setSurface(surface, origin_);

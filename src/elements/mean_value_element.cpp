@@ -54,7 +54,7 @@ class MeanValueElement final : public ElementFormulation {
       : config_(config), rule_(tetrahedronRule(config.quadrature_points)) {}
 
   ElementMatrices makeMatrices(const CellSurface& surface, const IsotropicMaterial& material) const override {
-    const Eigen::Matrix3Xd points = surface.points.colwise() - vertexMean(surface);
+    const Eigen::Matrix3Xd points = surface.points.colwise() - starCentre(surface);
     const CellQuadrature quadrature = makeCellQuadrature(surface, rule_);
     thread_local MeanValueCoordinates<double> coordinates;
     coordinates.setSurface(surface);

@@ -88,7 +88,7 @@ const TetrahedronRule& tetrahedronRule(int num_points) {
 }
 
 CellQuadrature makeCellQuadrature(const CellSurface& surface, const TetrahedronRule& rule) {
-  const Eigen::Vector3d apex = vertexMean(surface);
+  const Eigen::Vector3d apex = starCentre(surface);
   const Eigen::Index num_points = rule.weights.size();
   CellQuadrature quadrature;
   quadrature.points.resize(3, num_points * surface.triangles.size());

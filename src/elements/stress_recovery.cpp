@@ -52,7 +52,7 @@ double squaredNorm(const CellSurface& surface, const SymmetricTensors& values, c
     at_points.col(n + static_cast<Eigen::Index>(i)) = mean / static_cast<double>(surface.parents[i].size());
   }
   const SymmetricTensor middle = values.rowwise().mean();
-  const Eigen::Vector3d apex = vertexMean(surface);
+  const Eigen::Vector3d apex = starCentre(surface);
   double result = 0;
   for (const std::array<int, 3>& triangle : surface.triangles) {
     Eigen::Matrix3d edges;

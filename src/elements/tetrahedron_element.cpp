@@ -12,7 +12,7 @@ class TetrahedronElement final : public ElementFormulation {
 
   ElementMatrices makeMatrices(const CellSurface& surface, const IsotropicMaterial&) const override {
     POLYSCALPEL_ASSERT(surface.isTetrahedron());
-    const Eigen::Matrix3Xd points = surface.points.colwise() - vertexMean(surface);
+    const Eigen::Matrix3Xd points = surface.points.colwise() - starCentre(surface);
     ElementMatrices element;
     setVolumeAndMeanGradient(surface, points, element);
     element.shape_integral.setConstant(4, element.volume / 4);

@@ -59,7 +59,7 @@ class VirtualElement final : public ElementFormulation {
   explicit VirtualElement(const ElementConfig& config) : config_(config) {}
 
   ElementMatrices makeMatrices(const CellSurface& surface, const IsotropicMaterial& material) const override {
-    const Eigen::Matrix3Xd points = surface.points.colwise() - vertexMean(surface);
+    const Eigen::Matrix3Xd points = surface.points.colwise() - starCentre(surface);
     const Eigen::Index n = surface.num_vertices;
     if (!(smallestSubTetVolume(surface) > 0)) refuse(surface);
     ElementMatrices element;

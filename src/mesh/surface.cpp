@@ -29,6 +29,80 @@ double sixfoldVolume(const Eigen::Vector3d& apex, const Eigen::Vector3d& a, cons
   return (a - apex).dot((b - apex).cross(c - apex));
 }
 
+Eigen::Vector3d vertexMean(const CellSurface& surface) {
+  POLYSCALPEL_ASSERT(surface.num_vertices > 0);
+  const Eigen::Vector3d origin = surface.points.col(0);
+  return origin + (surface.points.leftCols(surface.num_vertices).colwise() - origin).rowwise().mean();
+}
+
+/// Looks for a point that lies far inside the planes of all triangles.
+class KernelSearch {
+ public:
+  KernelSearch(const CellSurface& surface, const Eigen::Vector3d& start) : start_(start) {
+    planes_.reserve(surface.triangles.size());
+    double area = 0, volume = 0;
+    for (const auto& [a, b, c] : surface.triangles) {
+      const Eigen::Vector3d corner = surface.points.col(a);
+      const Eigen::Vector3d normal =
+          Eigen::Vector3d(surface.points.col(b) - corner).cross(surface.points.col(c) - corner);
+      const double norm = normal.norm();
+      if (norm == 0) continue;  // a triangle without area sees nothing
+      area += norm / 2;
+      volume += normal.dot(corner - start) / 6;
+      planes_.push_back({corner, normal / norm});
+    }
+    radius_ = area > 0 ? 3 * volume / area : 0;
+  }
+
+  bool isStartWellInside() const {
+    return radius_ <= 0 || furthestOut(start_).second <= -kWellInside * radius_;
+  }
+
+  Eigen::Vector3d run() const {
+    Eigen::Vector3d best = start_;
+    double best_height = furthestOut(start_).second;
+    for (double depth = kDeepest; depth > kShallowest; depth *= 0.5) {
+      Eigen::Vector3d point = best;
+      for (int i = 0; i < kSteps; ++i) {
+        const auto [plane, height] = furthestOut(point);
+        if (height < best_height) {
+          best_height = height;
+          best = point;
+        }
+        if (height <= -depth * radius_) return point;
+        point -= kOverProjection * (height + depth * radius_) * planes_[plane].normal;
+      }
+    }
+    return best;
+  }
+
+ private:
+  // Depths as parts of 3 volume / area: the radius of the inscribed ball where one touches every face, and
+  // more than any point can be inside otherwise.
+  static constexpr double kWellInside = 0.02;
+  static constexpr double kDeepest = 0.5, kShallowest = 1e-4;
+  static constexpr double kOverProjection = 1.5;  // in (0, 2)
+  static constexpr int kSteps = 100;
+
+  struct Plane {
+    Eigen::Vector3d point, normal;
+  };
+
+  /// The plane that the point is furthest outside of, or least inside, and how far outside.
+  std::pair<std::size_t, double> furthestOut(const Eigen::Vector3d& point) const {
+    std::pair<std::size_t, double> furthest{0, -kInfinity};
+    for (std::size_t i = 0; i < planes_.size(); ++i) {
+      const double height = planes_[i].normal.dot(point - planes_[i].point);
+      if (height > furthest.second) furthest = {i, height};
+    }
+    return furthest;
+  }
+
+  Eigen::Vector3d start_;
+  std::vector<Plane> planes_;
+  double radius_ = 0;
+};
+
 }  // namespace
 
 int numTriangles(const Face& face) {
@@ -137,14 +211,15 @@ double volume(const CellSurface& surface) {
   return sum / 6;
 }
 
-Eigen::Vector3d vertexMean(const CellSurface& surface) {
-  POLYSCALPEL_ASSERT(surface.num_vertices > 0);
-  const Eigen::Vector3d origin = surface.points.col(0);
-  return origin + (surface.points.leftCols(surface.num_vertices).colwise() - origin).rowwise().mean();
+Eigen::Vector3d starCentre(const CellSurface& surface) {
+  const Eigen::Vector3d mean = vertexMean(surface);
+  if (surface.isTetrahedron()) return mean;
+  const KernelSearch search(surface, mean);
+  return search.isStartWellInside() ? mean : search.run();
 }
 
 double smallestSubTetVolume(const CellSurface& surface) {
-  const Eigen::Vector3d apex = vertexMean(surface);
+  const Eigen::Vector3d apex = starCentre(surface);
   double smallest = kInfinity;
   for (const auto& [a, b, c] : surface.triangles) {
     smallest = std::min(

@@ -35,7 +35,7 @@ std::vector<ElementConfig> formulations() {
 struct CellAtRest {
   CellAtRest(const CellSurface& surface, const ElementConfig& config)
       : element(makeElementMatrices(surface, kMaterial, config)),
-        rest(surface.points.leftCols(surface.num_vertices).colwise() - vertexMean(surface)),
+        rest(surface.points.leftCols(surface.num_vertices).colwise() - starCentre(surface)),
         extent(rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()) {}
 
   CellView view() const {

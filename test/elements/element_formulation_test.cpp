@@ -143,7 +143,7 @@ TEST_P(ElementMatricesTest, MassKeepsVolumeAndCentroid) {
   const VectorXd row_sums = element_.mass_integral.rowwise().sum();
   EXPECT_LE((row_sums - element_.shape_integral).norm(), 1e-13 * V);
   const CellQuadrature quadrature = makeCellQuadrature(surface_, tetrahedronRule(1));
-  const Vector3d moment = quadrature.points * quadrature.weights + V * vertexMean(surface_);
+  const Vector3d moment = quadrature.points * quadrature.weights + V * starCentre(surface_);
   EXPECT_LE((rest_ * element_.shape_integral - moment).norm(), 1e-13 * V * size_);
 }
 

@@ -44,7 +44,7 @@ double distanceToPlanes(const CellSurface& surface, const Eigen::Vector3d& origi
 /// Points at relative distances 1e-1 ... 1e-8 from the middle, the edges and the vertices of a dozen
 /// triangles (all of them in small cells).
 std::vector<Site> makeSites(const CellSurface& surface) {
-  const Eigen::Vector3d origin = vertexMean(surface);
+  const Eigen::Vector3d origin = starCentre(surface);
   std::vector<Site> sites;
   for (double relative = 1e-1; relative > 0.5e-8; relative *= 0.1) {
     const std::size_t stride = (surface.triangles.size() + 11) / 12;

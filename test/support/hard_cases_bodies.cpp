@@ -287,7 +287,7 @@ double contrastError(const PolyhedralMesh& mesh, double first_pa, double second_
   kinds.of_cell.resize(mesh.cellCapacity());
   for (const CellId cell : mesh.cells()) {
     const CellSurface surface = makeCellSurface(mesh, cell, mesh.restPositions());
-    kinds.of_cell[cell.index()] = vertexMean(surface).x() > 0.5;
+    kinds.of_cell[cell.index()] = starCentre(surface).x() > 0.5;
   }
   Assembly assembly(mesh, kinds, 0);
   const Eigen::Matrix3d stress = Vector3d(1, 0, 0).asDiagonal();

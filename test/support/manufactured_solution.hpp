@@ -75,7 +75,7 @@ inline ConvergencePoint solveManufactured(const PolyhedralMesh& mesh, ElementCon
   for (const CellId id : mesh.cells()) {
     const CellSurface surface = makeCellSurface(mesh, id, mesh.restPositions());
     const CellQuadrature quadrature = quadratureOf(surface);
-    const Eigen::Vector3d origin = vertexMean(surface);
+    const Eigen::Vector3d origin = starCentre(surface);
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (int q = 0; q < quadrature.weights.size(); ++q)
       mean += quadrature.weights[q] * exact.bodyForce(origin + quadrature.points.col(q));

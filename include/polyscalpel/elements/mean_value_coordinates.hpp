@@ -41,7 +41,7 @@ class MeanValueCoordinates {
   /// Takes a closed surface. It is not referred to afterwards.
   void setSurface(const CellSurface& surface);
 
-  /// vertexMean() of the surface [m]: the origin of the points given to evaluate().
+  /// starCentre() of the surface [m]: the origin of the points given to evaluate().
   const Eigen::Vector3d& origin() const { return origin_; }
 
   /// Evaluates at k points (3 x k, one column per point [m], relative to origin()), each strictly inside the

@@ -22,11 +22,11 @@ const TetrahedronRule& tetrahedronRule(int num_points);
 
 /// Points inside a cell and the volumes that they stand for.
 struct CellQuadrature {
-  Eigen::Matrix3Xd points;  ///< 3 x k, one column per point [m], relative to vertexMean(surface)
+  Eigen::Matrix3Xd points;  ///< 3 x k, one column per point [m], relative to starCentre(surface)
   Eigen::VectorXd weights;  ///< k [m^3], summing to the volume
 };
 
-/// The rule on every tetrahedron (vertexMean(surface), surface triangle), in the order of the triangles.
+/// The rule on every tetrahedron (starCentre(surface), surface triangle), in the order of the triangles.
 /// Throws std::invalid_argument where such a tetrahedron has no positive volume: the cell is not star-shaped.
 CellQuadrature makeCellQuadrature(const CellSurface& surface, const TetrahedronRule& rule);
 

@@ -56,10 +56,13 @@ CellSurface makeCellSurface(const PolyhedralMesh& mesh, CellId cell,
 /// Volume [m^3], positive for outward triangles.
 double volume(const CellSurface& surface);
 
-/// Mean of the cell's n vertices [m]: inside every convex cell, the apex of the sub-tets.
-Eigen::Vector3d vertexMean(const CellSurface& surface);
+/// Apex of the cell's sub-tets [m]: a point that sees the whole surface from within. The mean of the n
+/// vertices wherever it lies well inside, as in every convex cell that is not crowded with vertices on one
+/// side; else the point found furthest inside all triangles' planes (relaxation method, Agmon 1954, Motzkin
+/// and Schoenberg 1954), which for a cell that is not star-shaped sees only part of the surface.
+Eigen::Vector3d starCentre(const CellSurface& surface);
 
-/// Smallest volume of the tetrahedra (vertexMean, surface triangle) [m^3]; positive for a star-shaped cell.
+/// Smallest volume of the tetrahedra (starCentre, surface triangle) [m^3]; positive for a star-shaped cell.
 double smallestSubTetVolume(const CellSurface& surface);
 
 /// Volume of the whole mesh in the given positions [m^3].
