@@ -31,12 +31,6 @@ AlignedBox3d boxOf(const Positions& points) {
   return {Vector3d(points.rowwise().minCoeff()), Vector3d(points.rowwise().maxCoeff())};
 }
 
-double smallestLocalSize(const PolyhedralMesh& mesh, const Cell& cell) {
-  double size = kInfinity;
-  for (const VertexId v : cell.vertices) size = std::min(size, mesh.localSize(v));
-  return size;
-}
-
 void sortUnique(std::vector<Edge>& edges) {
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
@@ -302,7 +296,7 @@ std::vector<Hit> findHits(const PolyhedralMesh& mesh, const BladeMotion& motion,
 bool isBladeAt(const PolyhedralMesh& mesh, CellId id, const Positions& positions,
                const Positions& blade_world, double margin) {
   const Cell& cell = mesh.cell(id);
-  return meets(boxOf(cell, positions), blade_world, margin * smallestLocalSize(mesh, cell));
+  return meets(boxOf(cell, positions), blade_world, margin * mesh.localSize(id));
 }
 
 bool isBladeInTissue(const PolyhedralMesh& mesh, const Positions& positions, const Positions& blade_world,

@@ -5,6 +5,7 @@
 
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/mesh/mesh_editing.hpp"
+#include "polyscalpel/mesh/surface.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -137,19 +138,19 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
       std::all_of(loop.begin(), loop.end(), [&](VertexId v) { return part->second.settled.count(v) > 0; })) {
     return part->second.side;
   }
-  bool is_before = false, is_behind = false;
+  // A vertex high above the face tells most: what lies near the blade's surface may be on either side of it
+  // by rounding or by the bend of the surface.
+  const auto [origin, normal] = planeOf(mesh.face(face_id), mesh.restPositions());
+  double sum = 0;
   for (const auto& [a, b] : mesh.edges(cell)) {
     for (const auto& [corner, other] : {std::make_pair(a, b), std::make_pair(b, a)}) {
       if (!isInFace(corner) || isInFace(other) || isSnapped(cell, other)) continue;
       const auto snap = snaps_.find(corner);
       if (snap == snaps_.end()) continue;
-      const int side = snap->second.sideOfNeighbour(other);
-      is_before |= side > 0;
-      is_behind |= side < 0;
+      sum += snap->second.sideOfNeighbour(other) * std::abs(normal.dot(mesh.restPosition(other) - origin));
     }
   }
-  if (is_before && is_behind) return 0;
-  return is_before ? 1 : -1;
+  return sum > 0 ? 1 : -1;
 }
 
 bool Crossings::isInSlit(const Face& face) const {

@@ -11,6 +11,7 @@
 
 #include "polyscalpel/cutting/split_cells.hpp"
 #include "polyscalpel/geometry/predicates.hpp"
+#include "polyscalpel/mesh/surface.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -25,34 +26,6 @@ struct Plane {
   Vector3d point, normal;
 };
 
-/// The part [enter, leave] of the segment p-q within a cell whose faces are taken as planes; enter > leave
-/// where it misses the cell (Cyrus and Beck 1978).
-std::array<double, 2> clipToCell(const PolyhedralMesh& mesh, CellId id, const Matrix3Xd& positions,
-                                 const Vector3d& p, const Vector3d& q) {
-  double enter = 0, leave = 1;
-  for (const FaceId face_id : mesh.cell(id).faces) {
-    const Face& face = mesh.face(face_id);
-    Vector3d mean = Vector3d::Zero(), area = Vector3d::Zero();
-    const std::size_t n = face.loop.size();
-    for (const VertexId v : face.loop) mean += positions.col(v.index()) / static_cast<double>(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const Vector3d a = positions.col(face.loop[i].index()) - mean,
-                     b = positions.col(face.loop[(i + 1) % n].index()) - mean;
-      area += a.cross(b);
-    }
-    if (face.cells[0] != id) area = -area;
-    const double height = area.dot(p - mean), rise = area.dot(q - p);
-    if (rise == 0) {
-      if (height > 0) return {1, 0};
-    } else if (rise > 0) {
-      leave = std::min(leave, -height / rise);
-    } else {
-      enter = std::max(enter, -height / rise);
-    }
-  }
-  return {enter, leave};
-}
-
 /// One segment of the blade, with the planes that close its front.
 class SegmentFront {
  public:
@@ -66,15 +39,20 @@ class SegmentFront {
     sheet_normal_ = way_.cross(travel);
     if (sheet_normal_.norm() <= kSmallestSine * way_.norm() * travel.norm()) return 0;
 
-    std::array<CellId, 2> end_cells;
+    const Vector3d direction = travel.normalized();
+    std::array<std::unordered_set<CellId>, 2> passed;  // by each end of the segment
     for (int i = 0; i < mesh().cellCapacity(); ++i) {
       const CellId id(i);
       if (!mesh().cell(id).isAlive()) continue;
-      const auto [enter, leave] = clipToCell(mesh(), id, positions_, p_, p_ + way_);
-      if (enter >= leave) continue;
+      // Where the blade has come less than the snap distance far into a cell, the front is that cell's face,
+      // and the cell behind it is to be closed.
+      const Vector3d back = snap_tolerance_ * mesh().localSize(id) * direction;
+      if (!meets(id, p_, p_ + way_) && !meets(id, p_ - back, p_ - back + way_)) continue;
       origins_[id] = id;
-      if (is_first && enter == 0) end_cells[0] = id;
-      if (is_last && leave == 1) end_cells[1] = id;
+      for (const int end : {0, 1}) {
+        const Vector3d tip = p_ + end * way_;
+        if (meets(id, tip - front.stroke_length_m * direction, tip)) passed[end].insert(id);
+      }
     }
     if (origins_.empty()) return 0;
 
@@ -87,13 +65,14 @@ class SegmentFront {
       return along >= 0 && along <= way_.squaredNorm();
     });
     for (const int end : {0, 1}) {
-      if (!end_cells[end].isValid()) continue;
-      const Vector3d tip = p_ + end * way_, tip_travel = travel.normalized();
+      if (!(end == 0 ? is_first : is_last)) continue;
+      const Vector3d tip = p_ + end * way_;
       Crossings end_plane;
-      count += divide({tip, sheet_normal_.cross(tip_travel)}, end_plane,
-                      [&](CellId id) { return origins_.at(id) == end_cells[end] && isBehind(id, forward); });
+      count += divide({tip, sheet_normal_.cross(direction)}, end_plane, [&](CellId id) {
+        return passed[end].count(origins_.at(id)) > 0 && isBehind(id, forward);
+      });
       remember(end_plane, [&](const Vector3d& point) {
-        return tip_travel.dot(tip - point) <= front.stroke_length_m;  // all of it lies behind the segment
+        return direction.dot(tip - point) <= front.stroke_length_m;  // all of it lies behind the segment
       });
     }
     return count;
@@ -101,6 +80,26 @@ class SegmentFront {
 
  private:
   const PolyhedralMesh& mesh() const { return editor_.mesh(); }
+
+  /// Whether the segment a-b meets the inside of a cell, whose faces are taken as planes (Cyrus and Beck
+  /// 1978).
+  bool meets(CellId id, const Vector3d& a, const Vector3d& b) const {
+    double enter = 0, leave = 1;
+    for (const FaceId face_id : mesh().cell(id).faces) {
+      const Face& face = mesh().face(face_id);
+      const auto [origin, area] = planeOf(face, positions_);
+      const double sense = face.cells[0] == id ? 1 : -1;
+      const double height = sense * area.dot(a - origin), rise = sense * area.dot(b - a);
+      if (rise == 0) {
+        if (height > 0) return false;
+      } else if (rise > 0) {
+        leave = std::min(leave, -height / rise);
+      } else {
+        enter = std::max(enter, -height / rise);
+      }
+    }
+    return enter < leave;
+  }
 
   bool isBehind(CellId id, const Vector3d& forward) const {
     double sum = 0;

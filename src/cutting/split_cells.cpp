@@ -195,8 +195,7 @@ class CellSplit {
   }
 
   bool isSound(CellId id) const {
-    double size = kInfinity;
-    for (const VertexId v : mesh().cell(id).vertices) size = std::min(size, mesh().localSize(v));
+    const double size = mesh().localSize(id);
     const CellSurface surface = makeCellSurface(mesh(), id, mesh().restPositions());
     return smallestSubTetVolume(surface) > kSmallestRelativeSubTet * size * size * size;
   }

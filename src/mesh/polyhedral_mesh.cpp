@@ -303,6 +303,12 @@ std::vector<CellId> PolyhedralMesh::cells() const {
   return ids;
 }
 
+double PolyhedralMesh::localSize(CellId id) const {
+  double size = kInfinity;
+  for (const VertexId v : cell(id).vertices) size = std::min(size, localSize(v));
+  return size;
+}
+
 CellId PolyhedralMesh::neighbour(FaceId face_id, CellId cell) const {
   const Face& shared = face(face_id);
   POLYSCALPEL_ASSERT(cell.isValid() && (shared.cells[0] == cell || shared.cells[1] == cell));

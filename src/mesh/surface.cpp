@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "polyscalpel/core/checks.hpp"
+#include "polyscalpel/geometry/triangle.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -132,6 +133,15 @@ Eigen::Matrix3d triangleCorners(const Face& face, int i,
     for (int k = 0; k < 3; ++k) corners.col(k) = positions.col(face.loop[k].index());
   }
   return corners;
+}
+
+std::pair<Eigen::Vector3d, Eigen::Vector3d> planeOf(const Face& face,
+                                                    const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
+  Eigen::Vector3d area = Eigen::Vector3d::Zero();
+  for (int i = 0; i < numTriangles(face); ++i) {
+    area += triangleAreaVector(triangleCorners(face, i, positions));
+  }
+  return {virtualVertex(face, positions), area};
 }
 
 std::vector<WeightedVertex> vertexWeights(const Face& face, int i, const Eigen::Vector3d& barycentric) {

@@ -67,7 +67,7 @@ class Crossings {
                        int first_side);
 
   /// Side of the blade's surface on which a cell lies, seen from a face of it whose corners are all snapped:
-  /// +1, -1, or 0 for a cell that lies on both. A cell with every vertex snapped counts as -1.
+  /// +1 or -1. A cell with every vertex snapped counts as -1.
   int sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face) const;
 
   /// Whether all corners of the face are snapped.

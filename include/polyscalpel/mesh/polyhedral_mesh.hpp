@@ -71,6 +71,8 @@ class PolyhedralMesh {
   /// Size of the uncut mesh around the vertex [m]: length of the shortest edge there before any cut; a new
   /// vertex takes the smaller of its parents'.
   double localSize(VertexId id) const { return local_sizes_[id.index()]; }
+  /// The smallest localSize of the cell's vertices [m].
+  double localSize(CellId id) const;
 
   /// Faces that have the vertex in their loop, in no particular but reproducible order.
   const std::vector<FaceId>& facesAround(VertexId id) const { return vertex_faces_[id.index()]; }

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,6 +27,10 @@ Eigen::Vector3d virtualVertex(const Face& face, const Eigen::Ref<const Eigen::Ma
 /// Corners of the i-th triangle of a face, one column each [m], counter-clockwise as the loop is. For a fan:
 /// the virtual vertex, loop[i], loop[i + 1].
 Eigen::Matrix3d triangleCorners(const Face& face, int i, const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
+
+/// A point and the area vector [m, m^2] of a face: its mean plane. Outward for face.cells[0].
+std::pair<Eigen::Vector3d, Eigen::Vector3d> planeOf(const Face& face,
+                                                    const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
 /// A point on the surface as a weighted mean of mesh vertices.
 struct WeightedVertex {
