@@ -116,13 +116,13 @@ void Crossings::recordSplitEdge(const PolyhedralMesh& mesh, Edge edge, VertexId 
 }
 
 void Crossings::recordSplitCell(CellId cell, CellId first, CellId second,
-                                const std::vector<VertexId>& cap_loop, int first_side) {
+                                const std::vector<VertexId>& cap_vertices, int first_side) {
   Part part;
   if (const auto former = parts_.find(cell); former != parts_.end()) {
     part.settled = former->second.settled;
     parts_.erase(former);
   }
-  part.settled.insert(cap_loop.begin(), cap_loop.end());
+  part.settled.insert(cap_vertices.begin(), cap_vertices.end());
   part.time = time_;
   part.side = first_side;
   parts_[first] = part;

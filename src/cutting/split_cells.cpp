@@ -20,6 +20,9 @@ namespace {
 constexpr std::size_t kMostAbsorbed = 4;  ///< vertices of a thin component that may join the cut
 constexpr double kAbsorbDistance = 2;     ///< how far they may be from it, in snap distances
 
+/// A face's vertices in the cut are taken to be in line within this times localSize.
+constexpr double kSmallestFlap = 1e-3;
+
 /// Crossed edges and snapped corners may not leave a part of an edge shorter than this times its length:
 /// rounding.
 constexpr double kSmallestEdgePart = 1e-9;
@@ -82,7 +85,8 @@ class CellSplit {
   std::vector<FaceId> cap;
   /// Side of the blade's surface on which the first part lies.
   int firstSide() const { return side_votes_ >= 0 ? 1 : -1; }
-  const std::vector<VertexId>& capLoop() const { return cap_loop_; }
+  /// Vertices of the cap and of the faces that lie in its place.
+  const std::vector<VertexId>& capVertices() const { return cap_vertices_; }
   const std::vector<std::pair<Edge, VertexId>>& splitEdges() const { return split_edges_; }
   /// Faces that gave way to two parts each, in the order of dividing.
   const std::vector<std::pair<FaceId, std::pair<FaceId, FaceId>>>& splitFaceParts() const {
@@ -125,10 +129,14 @@ class CellSplit {
         reaches_beyond |= !isInComponent(loop[i]) && !isOnCut(loop[i]);
         if (isOnCut(loop[i]) && isInComponent(loop[(i + 1) % n])) start = i;
       }
-      if (!reaches_beyond || start == n) continue;
+      if (start == n) continue;
       std::size_t end = start + 1;
       while (isInComponent(loop[end % n])) ++end;
+      if (!reaches_beyond && !hasFlap(loop, start, end)) continue;
       if (!isOnCut(loop[end % n]) || end % n == start) return false;
+      if (!reaches_beyond) {
+        for (std::size_t i = end + 1; i % n != start; ++i) cap_vertices_.push_back(loop[i % n]);
+      }
       for (const CellId around : mesh().face(id).cells) {
         if (around.isValid()) touched_.insert(around);
       }
@@ -137,6 +145,21 @@ class CellSplit {
       pending.push_back(parts.second);
     }
     return true;
+  }
+
+  /// Whether a face that has no vertex beyond the cut still reaches beyond the chord from its entry `end` to
+  /// its entry `start`: all further vertices are snapped, and not in line. The part beyond the chord then
+  /// lies in the cut, and belongs to the other part of the cell; kept in this part, it would lie on the cap.
+  bool hasFlap(const std::vector<VertexId>& loop, std::size_t start, std::size_t end) const {
+    const std::size_t n = loop.size();
+    if (!isOnCut(loop[end % n]) || end % n == start) return false;
+    const Eigen::Vector3d from = mesh().restPosition(loop[end % n]), to = mesh().restPosition(loop[start]);
+    const Eigen::Vector3d along = (to - from).normalized();
+    for (std::size_t i = end + 1; i % n != start; ++i) {
+      const double off = along.cross(mesh().restPosition(loop[i % n]) - from).norm();
+      if (off > kSmallestFlap * mesh().localSize(loop[i % n])) return true;
+    }
+    return false;
   }
 
   /// Chains the half-edges between the component's faces and the rest into the one loop that the cap must be.
@@ -170,6 +193,7 @@ class CellSplit {
       at = step->second;
     } while (at != cap_loop_.front() && cap_loop_.size() <= next.size());
     if (cap_loop_.size() != next.size()) return false;
+    cap_vertices_.insert(cap_vertices_.end(), cap_loop_.begin(), cap_loop_.end());
 
     if (side_votes_ == 0) {
       // No edge was crossed between its ends: the cap goes through snapped vertices alone.
@@ -209,7 +233,7 @@ class CellSplit {
   std::vector<std::pair<Edge, VertexId>> split_edges_;
   std::vector<std::pair<FaceId, std::pair<FaceId, FaceId>>> split_faces_;
   std::vector<FaceId> first_faces_;
-  std::vector<VertexId> cap_loop_;
+  std::vector<VertexId> cap_loop_, cap_vertices_;
   int side_votes_ = 0;
 };
 
@@ -239,7 +263,8 @@ class Splitter {
       pending.pop_back();
       auto components = findComponents(mesh(), crossings_, cell);
       bool is_split = splitOff(cell, components, pending);
-      while (!is_split && components.size() > 1 && absorb(cell, components)) {
+      while (!is_split && components.size() > 1 &&
+             (absorbHanging(cell, components) || absorbThin(cell, components))) {
         components = findComponents(mesh(), crossings_, cell);
         is_split = splitOff(cell, components, pending);
       }
@@ -295,7 +320,7 @@ class Splitter {
         continue;
       }
       for (const auto& [edge, middle] : split.splitEdges()) crossings_.recordSplitEdge(mesh(), edge, middle);
-      crossings_.recordSplitCell(cell, split.first, split.second, split.capLoop(), split.firstSide());
+      crossings_.recordSplitCell(cell, split.first, split.second, split.capVertices(), split.firstSide());
       for (const auto& [face, face_parts] : split.splitFaceParts()) {
         // A second sheet of the same stroke may divide the cap that the first one has made.
         if (caps_.erase(face)) caps_.insert({face_parts.first, face_parts.second});
@@ -309,8 +334,34 @@ class Splitter {
     return false;
   }
 
+  /// Lets the first component join the cut that consists of vertices hanging in an edge between two corners
+  /// of the cut: they lie on it, though no edge of theirs crosses it. Returns whether there was one.
+  bool absorbHanging(CellId cell, const std::vector<std::vector<VertexId>>& components) {
+    for (const auto& component : components) {
+      std::vector<std::pair<VertexId, int>> sides;
+      for (const VertexId v : component) {
+        int degree = 0, side = 0;
+        bool is_held = true;
+        for (const auto& [a, b] : mesh().edges(cell)) {
+          if (a != v && b != v) continue;
+          ++degree;
+          const VertexId other = a == v ? b : a;
+          if (std::binary_search(component.begin(), component.end(), other)) continue;
+          is_held &= crossings_.isSnapped(cell, other);
+          if (side == 0) side = crossings_.sideOfNeighbour(other, v);
+        }
+        if (!is_held || degree != 2) break;
+        sides.emplace_back(v, side != 0 ? side : 1);
+      }
+      if (sides.size() != component.size()) continue;
+      for (const auto& [v, side] : sides) crossings_.snap(mesh(), v, side);
+      return true;
+    }
+    return false;
+  }
+
   /// Lets the first thin component join the cut. Returns whether there was one.
-  bool absorb(CellId cell, const std::vector<std::vector<VertexId>>& components) {
+  bool absorbThin(CellId cell, const std::vector<std::vector<VertexId>>& components) {
     for (const auto& component : components) {
       if (component.size() > kMostAbsorbed) continue;
       std::vector<std::pair<VertexId, int>> sides;

@@ -63,7 +63,7 @@ class Crossings {
   void recordSplitEdge(const PolyhedralMesh& mesh, Edge edge, VertexId middle);
 
   /// Records the two parts of a cell. first_side: side of the blade's surface on which the first part lies.
-  void recordSplitCell(CellId cell, CellId first, CellId second, const std::vector<VertexId>& cap_loop,
+  void recordSplitCell(CellId cell, CellId first, CellId second, const std::vector<VertexId>& cap_vertices,
                        int first_side);
 
   /// Side of the blade's surface on which a cell lies, seen from a face of it whose corners are all snapped:
