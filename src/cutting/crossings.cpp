@@ -157,31 +157,47 @@ bool Crossings::isInSlit(const Face& face) const {
   return std::all_of(face.loop.begin(), face.loop.end(), [&](VertexId v) { return snaps_.count(v) > 0; });
 }
 
+void Crossings::recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& origin, bool is_on_cut) {
+  if (is_on_cut) {
+    snaps_[origin.vertex];
+    open_vertices_.insert(origin.vertex);
+    for (const CellId cell : cellsAround(mesh, origin.vertex)) cells_.insert(cell);
+    return;
+  }
+  const auto [a, b] = makeEdge(origin.parents[0], origin.parents[1]);
+  const auto crossed = edges_.find({a, b});
+  if (crossed == edges_.end()) return;
+  // Another cut has divided the edge; the crossing stays in the part where it was.
+  const double at = a == origin.parents[0] ? origin.weight : 1 - origin.weight;
+  CrossedEdge moved = crossed->second;
+  if (moved.weight <= at) {
+    moved.weight /= at;
+    edges_.emplace(makeEdge(a, origin.vertex), moved);
+    putCellsAround(mesh, makeEdge(a, origin.vertex));
+  } else {
+    // The new vertex is the larger one, so the part runs against the edge.
+    moved.weight = 1 - (moved.weight - at) / (1 - at);
+    moved.sign = -moved.sign;
+    edges_.emplace(makeEdge(b, origin.vertex), moved);
+    putCellsAround(mesh, makeEdge(b, origin.vertex));
+  }
+}
+
+void Crossings::recordDividedCells(const MeshChange& change) {
+  for (const NewCell& cell : change.new_cells) {
+    const auto part = parts_.find(cell.parent);
+    if (part != parts_.end()) parts_.emplace(cell.cell, Part(part->second));
+    if (cells_.count(cell.parent)) cells_.insert(cell.cell);
+  }
+}
+
 void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
   for (const CellId id : change.removed_cells) parts_.erase(id);
   for (const NewCell& cell : change.new_cells) {
     if (cells_.count(cell.parent)) cells_.insert(cell.cell);
   }
 
-  for (const NewVertex& origin : change.new_vertices) {
-    const auto [a, b] = makeEdge(origin.parents[0], origin.parents[1]);
-    const auto crossed = edges_.find({a, b});
-    if (crossed == edges_.end()) continue;
-    // Another cut has divided the edge; the crossing stays in the part where it was.
-    const double at = a == origin.parents[0] ? origin.weight : 1 - origin.weight;
-    CrossedEdge moved = crossed->second;
-    if (moved.weight <= at) {
-      moved.weight /= at;
-      edges_.emplace(makeEdge(a, origin.vertex), moved);
-      putCellsAround(mesh, makeEdge(a, origin.vertex));
-    } else {
-      // The new vertex is the larger one, so the part runs against the edge.
-      moved.weight = 1 - (moved.weight - at) / (1 - at);
-      moved.sign = -moved.sign;
-      edges_.emplace(makeEdge(b, origin.vertex), moved);
-      putCellsAround(mesh, makeEdge(b, origin.vertex));
-    }
-  }
+  for (const NewVertex& origin : change.new_vertices) recordDividedEdge(mesh, origin, false);
 
   std::unordered_map<VertexId, VertexId> originals;  // of copies, as they stood before this change
   for (const NewVertex& origin : change.new_vertices) {

@@ -7,10 +7,12 @@
 #include <set>
 #include <unordered_map>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/cutting/cap_facets.hpp"
+#include "polyscalpel/geometry/predicates.hpp"
 #include "polyscalpel/mesh/mesh_checks.hpp"
 #include "polyscalpel/mesh/surface.hpp"
 
@@ -26,6 +28,11 @@ constexpr double kSmallestFlap = 1e-3;
 /// Crossed edges and snapped corners may not leave a part of an edge shorter than this times its length:
 /// rounding.
 constexpr double kSmallestEdgePart = 1e-9;
+
+/// How often a cell that cannot be split soundly is divided first.
+constexpr int kMostDivisions = 3;
+
+using FaceParts = std::vector<std::pair<FaceId, std::pair<FaceId, FaceId>>>;
 
 /// The vertices of a cell that hang together through uncrossed edges; snapped vertices belong to none.
 std::vector<std::vector<VertexId>> findComponents(const PolyhedralMesh& mesh, const Crossings& crossings,
@@ -66,10 +73,15 @@ class CellSplit {
             const std::vector<VertexId>& component)
       : editor_(editor), crossings_(crossings), cell_(cell), component_(component.begin(), component.end()) {}
 
-  /// The mesh is to be rolled back by the caller where this fails.
-  bool run(int cut) {
+  /// Divides the edges and faces that the border crosses. The mesh is to be rolled back by the caller where
+  /// this or divide() fails.
+  bool findBorder() {
     splitCrossedEdges();
-    if (!splitFaces() || !findCap()) return false;
+    return splitFaces() && findCap();
+  }
+
+  /// Divides the cell along the border found, and checks what has been touched.
+  bool divide(int cut) {
     const auto facets = makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false));
     const auto split = editor_.splitCell(cell_, first_faces_, facets, cut);
     first = split.first;
@@ -85,13 +97,13 @@ class CellSplit {
   std::vector<FaceId> cap;
   /// Side of the blade's surface on which the first part lies.
   int firstSide() const { return side_votes_ >= 0 ? 1 : -1; }
+  /// The border, counter-clockwise seen from outside the first part.
+  const std::vector<VertexId>& capLoop() const { return cap_loop_; }
   /// Vertices of the cap and of the faces that lie in its place.
   const std::vector<VertexId>& capVertices() const { return cap_vertices_; }
   const std::vector<std::pair<Edge, VertexId>>& splitEdges() const { return split_edges_; }
   /// Faces that gave way to two parts each, in the order of dividing.
-  const std::vector<std::pair<FaceId, std::pair<FaceId, FaceId>>>& splitFaceParts() const {
-    return split_faces_;
-  }
+  const FaceParts& splitFaceParts() const { return split_faces_; }
 
  private:
   const PolyhedralMesh& mesh() const { return editor_.mesh(); }
@@ -231,7 +243,7 @@ class CellSplit {
   std::set<VertexId> middles_;
   std::set<CellId> touched_;
   std::vector<std::pair<Edge, VertexId>> split_edges_;
-  std::vector<std::pair<FaceId, std::pair<FaceId, FaceId>>> split_faces_;
+  FaceParts split_faces_;
   std::vector<FaceId> first_faces_;
   std::vector<VertexId> cap_loop_, cap_vertices_;
   int side_votes_ = 0;
@@ -268,7 +280,8 @@ class Splitter {
         components = findComponents(mesh(), crossings_, cell);
         is_split = splitOff(cell, components, pending);
       }
-      if (!is_split && components.size() > 1) counts.left_whole.push_back(cell);
+      if (is_split || components.size() < 2 || divideAcross(cell, components, pending)) continue;
+      counts.left_whole.push_back(cell);
     }
   }
 
@@ -315,16 +328,13 @@ class Splitter {
     for (const auto& component : components) {
       const std::size_t savepoint = editor_.savepoint();
       CellSplit split(editor_, crossings_, cell, component);
-      if (!split.run(cut_)) {
+      if (!split.findBorder() || !split.divide(cut_)) {
         editor_.rollBackTo(savepoint);
         continue;
       }
       for (const auto& [edge, middle] : split.splitEdges()) crossings_.recordSplitEdge(mesh(), edge, middle);
       crossings_.recordSplitCell(cell, split.first, split.second, split.capVertices(), split.firstSide());
-      for (const auto& [face, face_parts] : split.splitFaceParts()) {
-        // A second sheet of the same stroke may divide the cap that the first one has made.
-        if (caps_.erase(face)) caps_.insert({face_parts.first, face_parts.second});
-      }
+      followFaces(split.splitFaceParts());
       caps_.insert(split.cap.begin(), split.cap.end());
       parts.push_back(split.first);
       parts.push_back(split.second);
@@ -332,6 +342,83 @@ class Splitter {
       return true;
     }
     return false;
+  }
+
+  /// A second sheet of the same stroke may divide the cap that the first one has made.
+  void followFaces(const FaceParts& parts) {
+    for (const auto& [face, face_parts] : parts) {
+      face_parts_.emplace_back(face, face_parts);
+      if (caps_.erase(face)) caps_.insert({face_parts.first, face_parts.second});
+    }
+  }
+
+  /// Where the cap of a cell would be bent so much that a part does not see all its surface from any one
+  /// point: divides the cell by a closed plane across the longest way of the cap, whose parts are then split
+  /// by flatter caps. Returns whether it did.
+  bool divideAcross(CellId cell, const std::vector<std::vector<VertexId>>& components,
+                    std::vector<CellId>& parts) {
+    const auto place = divisions_.find(cell);
+    const int depth = place == divisions_.end() ? 0 : place->second;
+    if (depth >= most_divisions_) return false;
+    for (const auto& component : components) {
+      const std::size_t savepoint = editor_.savepoint();
+      CellSplit split(editor_, crossings_, cell, component);
+      if (!split.findBorder()) {
+        editor_.rollBackTo(savepoint);
+        continue;
+      }
+      const std::size_t divided = editor_.savepoint();
+      Crossings plane;
+      for (const Hit& hit : hitsAcross(cell, split.capLoop())) plane.add(mesh(), hit, snap_tolerance_);
+      Splitter across(editor_, plane, snap_tolerance_, 0);
+      across.most_divisions_ = 0;
+      across.splitRepeatedly(cell);
+      const MeshChange change = editor_.changeSince(divided);
+      if (change.new_cells.empty()) {
+        editor_.rollBackTo(savepoint);
+        continue;
+      }
+      for (const auto& [edge, middle] : split.splitEdges()) crossings_.recordSplitEdge(mesh(), edge, middle);
+      std::set<Edge> border;
+      const auto& loop = split.capLoop();
+      for (std::size_t i = 0; i < loop.size(); ++i)
+        border.insert(makeEdge(loop[i], loop[(i + 1) % loop.size()]));
+      for (const NewVertex& vertex : change.new_vertices) {
+        const bool is_on_border = border.count(makeEdge(vertex.parents[0], vertex.parents[1])) > 0;
+        crossings_.recordDividedEdge(mesh(), vertex, is_on_border);
+        if (!is_on_border) continue;
+        for (const VertexId end : vertex.parents) border.insert(makeEdge(end, vertex.vertex));
+      }
+      crossings_.recordDividedCells(change);
+      followFaces(split.splitFaceParts());
+      followFaces(across.face_parts_);
+      for (const NewCell& part : change.new_cells) {
+        divisions_[part.cell] = depth + 1;
+        parts.push_back(part.cell);
+      }
+      return true;
+    }
+    return false;
+  }
+
+  /// Hits of a cell's edges, in rest shape, on the plane through the middle of a border and across its
+  /// longest way.
+  std::vector<Hit> hitsAcross(CellId cell, const std::vector<VertexId>& loop) const {
+    Eigen::Matrix3Xd points(3, loop.size());
+    for (std::size_t i = 0; i < loop.size(); ++i) points.col(i) = mesh().restPosition(loop[i]);
+    const Eigen::Vector3d middle = points.rowwise().mean();
+    points.colwise() -= middle;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(points * points.transpose());
+    const Eigen::Vector3d normal = axes.eigenvectors().col(2);
+    std::vector<Hit> hits;
+    for (const Edge& edge : mesh().edges(cell)) {
+      const Eigen::Vector3d a = mesh().restPosition(edge.first), b = mesh().restPosition(edge.second);
+      const int side_a = sideOfPlane(a, middle, normal), side_b = sideOfPlane(b, middle, normal);
+      if (side_a == side_b) continue;
+      const double to_a = std::abs(normal.dot(a - middle)), to_b = std::abs(normal.dot(b - middle));
+      hits.push_back({edge, to_a + to_b > 0 ? to_a / (to_a + to_b) : 0.5, side_b});
+    }
+    return hits;
   }
 
   /// Lets the first component join the cut that consists of vertices hanging in an edge between two corners
@@ -399,6 +486,9 @@ class Splitter {
   double snap_tolerance_;
   int cut_;
   std::set<FaceId> caps_;  // closed as yet
+  FaceParts face_parts_;   // of all faces divided so far
+  std::unordered_map<CellId, int> divisions_;
+  int most_divisions_ = kMostDivisions;
 };
 
 }  // namespace

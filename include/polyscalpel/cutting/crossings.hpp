@@ -66,6 +66,13 @@ class Crossings {
   void recordSplitCell(CellId cell, CellId first, CellId second, const std::vector<VertexId>& cap_vertices,
                        int first_side);
 
+  /// Records that an edge has got a vertex for another reason; is_on_cut: the edge lies in the blade's
+  /// surface.
+  void recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& origin, bool is_on_cut);
+
+  /// Records that cells have been divided for another reason: their parts are what they were.
+  void recordDividedCells(const MeshChange& change);
+
   /// Side of the blade's surface on which a cell lies, seen from a face of it whose corners are all snapped:
   /// +1 or -1. A cell with every vertex snapped counts as -1.
   int sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face) const;
