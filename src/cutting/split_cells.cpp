@@ -275,8 +275,9 @@ class Splitter {
       pending.pop_back();
       auto components = findComponents(mesh(), crossings_, cell);
       bool is_split = splitOff(cell, components, pending);
-      while (!is_split && components.size() > 1 &&
-             (absorbHanging(cell, components) || absorbThin(cell, components))) {
+      while (
+          !is_split && components.size() > 1 &&
+          (absorbHanging(cell, components) || absorbFlat(cell, components) || absorbThin(cell, components))) {
         components = findComponents(mesh(), crossings_, cell);
         is_split = splitOff(cell, components, pending);
       }
@@ -442,6 +443,34 @@ class Splitter {
       }
       if (sides.size() != component.size()) continue;
       for (const auto& [v, side] : sides) crossings_.snap(mesh(), v, side);
+      return true;
+    }
+    return false;
+  }
+
+  /// Lets the first component join the cut that lies flat on it: all its vertices within the absorbing
+  /// distance of the mean plane of its border. Returns whether there was one.
+  bool absorbFlat(CellId cell, const std::vector<std::vector<VertexId>>& components) {
+    for (const auto& component : components) {
+      const std::size_t savepoint = editor_.savepoint();
+      CellSplit split(editor_, crossings_, cell, component);
+      const bool has_border = split.findBorder();
+      const int side = split.firstSide();
+      Eigen::Matrix3Xd border(3, split.capLoop().size());
+      for (Eigen::Index i = 0; i < border.cols(); ++i)
+        border.col(i) = mesh().restPosition(split.capLoop()[i]);
+      editor_.rollBackTo(savepoint);
+      if (!has_border) continue;
+      const Eigen::Vector3d middle = border.rowwise().mean();
+      border.colwise() -= middle;
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(border * border.transpose());
+      const Eigen::Vector3d normal = axes.eigenvectors().col(0);
+      const bool is_flat = std::all_of(component.begin(), component.end(), [&](VertexId v) {
+        return std::abs(normal.dot(mesh().restPosition(v) - middle)) <
+               kAbsorbDistance * snap_tolerance_ * mesh().localSize(v);
+      });
+      if (!is_flat) continue;
+      for (const VertexId v : component) crossings_.snap(mesh(), v, side);
       return true;
     }
     return false;
