@@ -31,6 +31,8 @@ constexpr double kSmallestEdgePart = 1e-9;
 
 /// How often a cell that cannot be split soundly is divided first.
 constexpr int kMostDivisions = 3;
+/// Snap tolerance of the dividing plane, as part of that of the cut: such cells are small already.
+constexpr double kDivisionSnap = 0.1;
 
 using FaceParts = std::vector<std::pair<FaceId, std::pair<FaceId, FaceId>>>;
 
@@ -361,17 +363,20 @@ class Splitter {
     const auto place = divisions_.find(cell);
     const int depth = place == divisions_.end() ? 0 : place->second;
     if (depth >= most_divisions_) return false;
-    for (const auto& component : components) {
+    for (std::size_t attempt = 0; attempt < 2 * components.size(); ++attempt) {
       const std::size_t savepoint = editor_.savepoint();
-      CellSplit split(editor_, crossings_, cell, component);
+      CellSplit split(editor_, crossings_, cell, components[attempt / 2]);
       if (!split.findBorder()) {
         editor_.rollBackTo(savepoint);
         continue;
       }
       const std::size_t divided = editor_.savepoint();
       Crossings plane;
-      for (const Hit& hit : hitsAcross(cell, split.capLoop())) plane.add(mesh(), hit, snap_tolerance_);
-      Splitter across(editor_, plane, snap_tolerance_, 0);
+      const double tolerance = kDivisionSnap * snap_tolerance_;
+      for (const Hit& hit : hitsAcross(cell, split.capLoop(), attempt % 2 == 0 ? 2 : 1)) {
+        plane.add(mesh(), hit, tolerance);
+      }
+      Splitter across(editor_, plane, tolerance, 0);
       across.most_divisions_ = 0;
       across.splitRepeatedly(cell);
       const MeshChange change = editor_.changeSince(divided);
@@ -402,15 +407,15 @@ class Splitter {
     return false;
   }
 
-  /// Hits of a cell's edges, in rest shape, on the plane through the middle of a border and across its
-  /// longest way.
-  std::vector<Hit> hitsAcross(CellId cell, const std::vector<VertexId>& loop) const {
+  /// Hits of a cell's edges, in rest shape, on the plane through the middle of a border and across one of its
+  /// principal axes (2: the longest).
+  std::vector<Hit> hitsAcross(CellId cell, const std::vector<VertexId>& loop, int axis) const {
     Eigen::Matrix3Xd points(3, loop.size());
     for (std::size_t i = 0; i < loop.size(); ++i) points.col(i) = mesh().restPosition(loop[i]);
     const Eigen::Vector3d middle = points.rowwise().mean();
     points.colwise() -= middle;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(points * points.transpose());
-    const Eigen::Vector3d normal = axes.eigenvectors().col(2);
+    const Eigen::Vector3d normal = axes.eigenvectors().col(axis);
     std::vector<Hit> hits;
     for (const Edge& edge : mesh().edges(cell)) {
       const Eigen::Vector3d a = mesh().restPosition(edge.first), b = mesh().restPosition(edge.second);
