@@ -119,7 +119,7 @@ void BodyCounter::fill(StepStatus& status, const Simulation& simulation) {
   status.volume_relative_error =
       std::abs(volume_m3_ - simulation.restVolume_m3()) / simulation.restVolume_m3();
   status.energy_j = simulation.totalEnergy_j();
-  status.added_mass_kg = simulation.addedMass_kg();
+  status.moved_mass_kg = simulation.movedMass_kg();
   status.parts = simulation.parts();
 }
 

@@ -479,8 +479,8 @@ int Simulation::numCuts() const {
 int Simulation::cellsLeftWhole() const {
   return impl_->cells_left_whole;
 }
-double Simulation::addedMass_kg() const {
-  return impl_->assembly->addedMass_kg();
+double Simulation::movedMass_kg() const {
+  return impl_->assembly->movedMass_kg();
 }
 
 double Simulation::totalEnergy_j() const {

@@ -88,7 +88,7 @@ TEST(SimulatedCuts, ResetAndReplayAreBitForBit) {
   EXPECT_EQ(simulation.mesh().restPositions(), start);
   EXPECT_EQ(simulation.numCuts(), 0);
   EXPECT_EQ(simulation.pieces().count, 1);
-  EXPECT_EQ(simulation.addedMass_kg(), 0);
+  EXPECT_EQ(simulation.movedMass_kg(), 0);
   for (int step = 0; step <= kCuttingSteps; ++step) {
     simulation.step({cuttingPose(step)});
     ASSERT_EQ(simulation.positions(), first[step]) << step;

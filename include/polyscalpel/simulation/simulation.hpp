@@ -110,7 +110,7 @@ class Simulation {
   /// Strokes of blades that have split something, and cuts by cut(), since the start or the last reset.
   int numCuts() const;
   int cellsLeftWhole() const;    ///< summed over these cuts
-  double addedMass_kg() const;   ///< by the mass floor
+  double movedMass_kg() const;   ///< between vertices of a piece, by the mass floor
   double totalEnergy_j() const;  ///< kinetic + elastic + gravity
   /// Stress as last computed, on the mesh as it was then; nullptr before that, after a cut until the next
   /// time, and in a scene without StressConfig. Valid until the next step, cut or reset.
