@@ -27,13 +27,85 @@ std::vector<CellId> cellsAfter(const MeshChange& change) {
   return cells;
 }
 
-double sumOfProducts(const std::vector<int>& vertices, const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
-  double sum = 0;
-  for (const int i : vertices) sum += a.col(i).dot(b.col(i));
-  return sum;
+double sumOfProducts(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
+  return a.cwiseProduct(b).sum();
 }
 
-/// Smallest e in [0, 1] with excess - slope e + curvature / 2 e^2 <= 0, or nothing.
+/// Velocities of the vertices of one group, one column each, and how they may be changed.
+class GroupMotion {
+ public:
+  GroupMotion(const std::vector<int>& vertices, const Assembly& assembly, const SimulationState& state)
+      : vertices_(vertices), assembly_(assembly), v_(state.velocities(Eigen::all, vertices)) {
+    p_ = assembly.hasConsistentMass() ? multiplyFull(state.velocities) : scale(v_);
+    free_mass_ = 0;
+    for (const int i : vertices) {
+      is_free_.push_back(!state.fixed[i]);
+      if (is_free_.back()) free_mass_ += assembly.vertexMasses()[i];
+    }
+  }
+
+  const Eigen::Matrix3Xd& velocities() const { return v_; }
+  /// Of these vertices, with all others moving as they do.
+  const Eigen::Matrix3Xd& momenta() const { return p_; }
+  double freeMass() const { return free_mass_; }
+
+  /// The same vector at the free vertices.
+  Eigen::Matrix3Xd uniform(const Eigen::Vector3d& value) const {
+    Eigen::Matrix3Xd w = Eigen::Matrix3Xd::Zero(3, v_.cols());
+    for (Eigen::Index k = 0; k < w.cols(); ++k) {
+      if (is_free_[k]) w.col(k) = value;
+    }
+    return w;
+  }
+  /// Velocities of the free vertices, with their mean by mass or without.
+  Eigen::Matrix3Xd free(bool with_mean) const {
+    Eigen::Matrix3Xd w = uniform(Eigen::Vector3d::Zero());
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (Eigen::Index k = 0; k < w.cols(); ++k) {
+      if (!is_free_[k]) continue;
+      w.col(k) = v_.col(k);
+      sum += assembly_.vertexMasses()[vertices_[k]] * v_.col(k);
+    }
+    if (!with_mean && free_mass_ > 0) w -= uniform(sum / free_mass_);
+    return w;
+  }
+
+  /// v += factor w, for a w that is zero outside the group. Returns the gain of kinetic energy [J].
+  double add(double factor, const Eigen::Matrix3Xd& w, const Eigen::Matrix3Xd& Mw) {
+    const double gain = factor * sumOfProducts(w, p_) + 0.5 * factor * factor * sumOfProducts(w, Mw);
+    v_ += factor * w;
+    p_ += factor * Mw;
+    return gain;
+  }
+
+  /// M w at these vertices, for a w that is zero outside the group.
+  Eigen::Matrix3Xd multiplyMass(const Eigen::Matrix3Xd& w) const {
+    if (!assembly_.hasConsistentMass()) return scale(w);
+    Eigen::Matrix3Xd full = Eigen::Matrix3Xd::Zero(3, assembly_.numVertices());
+    full(Eigen::all, vertices_) = w;
+    return multiplyFull(full);
+  }
+
+ private:
+  Eigen::Matrix3Xd scale(const Eigen::Matrix3Xd& w) const {
+    Eigen::Matrix3Xd result = w;
+    for (Eigen::Index k = 0; k < w.cols(); ++k) result.col(k) *= assembly_.vertexMasses()[vertices_[k]];
+    return result;
+  }
+  Eigen::Matrix3Xd multiplyFull(const Eigen::Matrix3Xd& full) const {
+    Eigen::Matrix3Xd result;
+    assembly_.multiplyMass(full, result);
+    return result(Eigen::all, vertices_);
+  }
+
+  const std::vector<int>& vertices_;
+  const Assembly& assembly_;
+  Eigen::Matrix3Xd v_, p_;
+  std::vector<bool> is_free_;
+  double free_mass_ = 0;
+};
+
+/// Smallest e in [0, 1] with excess - slope e + curvature / 2 e^2 <= 0, or nothing. excess > 0.
 std::optional<double> shrinkage(double excess, double slope, double curvature) {
   const double discriminant = slope * slope - 2 * curvature * excess;
   if (!(slope > 0) || discriminant < 0) return std::nullopt;
@@ -51,11 +123,10 @@ CutLedger::CutLedger(const SimulationState& state, const Assembly& assembly, con
   if (!is_moving_) return;
   piece_of_cell_ = pieces.piece_of_cell;
   masses_ = assembly.vertexMasses();
-  velocities_ = state.velocities;
-  assembly.multiplyMass(velocities_, momenta_);
+  if (assembly.hasConsistentMass()) assembly.multiplyMass(state.velocities, momenta_);
 }
 
-// The free vertices around which something has changed, ascending, by the piece that they were in.
+// The vertices around which something has changed, ascending, by the piece that they were in.
 std::vector<std::vector<int>> CutLedger::findGroups(const PolyhedralMesh& mesh, const MeshChange& change,
                                                     const Assembly& assembly) const {
   std::map<int, std::vector<int>> groups;
@@ -82,84 +153,43 @@ std::vector<std::vector<int>> CutLedger::findGroups(const PolyhedralMesh& mesh, 
   return result;
 }
 
-void CutLedger::correctVelocities(const std::vector<std::vector<int>>& groups, const Assembly& assembly,
-                                  SimulationState& state) const {
-  const Eigen::VectorXd& masses = assembly.vertexMasses();
-  const Eigen::Index num_before = masses_.size();
-  Eigen::Matrix3Xd& v = state.velocities;
-  Eigen::Matrix3Xd momenta, increments = Eigen::Matrix3Xd::Zero(3, v.cols()), increment_momenta;
-  assembly.multiplyMass(v, momenta);
-  std::vector<double> excess(groups.size(), 0);  // of kinetic energy [J]
-  std::vector<std::vector<int>> free(groups.size());
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    Eigen::Vector3d missing = Eigen::Vector3d::Zero();
-    double mass = 0;
-    for (const int i : groups[g]) {
-      missing -= momenta.col(i);
-      excess[g] += 0.5 * momenta.col(i).dot(v.col(i));
-      if (i < num_before) {
-        missing += momenta_.col(i);
-        excess[g] -= 0.5 * momenta_.col(i).dot(velocities_.col(i));
-      }
-      if (state.fixed[i]) continue;
-      free[g].push_back(i);
-      mass += masses[i];
-    }
-    if (!(mass > 0)) continue;
-    for (const int i : free[g]) increments.col(i) = missing / mass;
+// Corrects the velocities of one group and adds to the balance; see the class.
+void CutLedger::settleGroup(const std::vector<int>& vertices, const Assembly& assembly,
+                            SimulationState& state, CutBalance& balance) const {
+  GroupMotion motion(vertices, assembly, state);
+  Eigen::Matrix3Xd before = Eigen::Matrix3Xd::Zero(3, motion.momenta().cols());  // momenta
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    const int i = vertices[k];
+    if (i >= masses_.size()) continue;
+    before.col(k) = assembly.hasConsistentMass() ? Eigen::Vector3d(momenta_.col(i))
+                                                 : Eigen::Vector3d(masses_[i] * state.velocities.col(i));
   }
-  assembly.multiplyMass(increments, increment_momenta);
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    excess[g] += sumOfProducts(free[g], increments, momenta) +
-                 0.5 * sumOfProducts(free[g], increments, increment_momenta);
+  // A vertex that was there before has the velocity that it had.
+  double gain = 0.5 * sumOfProducts(motion.momenta() - before, motion.velocities());
+  if (motion.freeMass() > 0) {
+    const Eigen::Matrix3Xd increment =
+        motion.uniform((before - motion.momenta()).rowwise().sum() / motion.freeMass());
+    gain += motion.add(1, increment, motion.multiplyMass(increment));
   }
-  v += increments;
-  momenta += increment_momenta;
-
-  // Takes w away from the velocities by the part that the energy asks for. Pieces share no cell, so that
-  // their energies do not depend on each other.
-  Eigen::Matrix3Xd w = Eigen::Matrix3Xd::Zero(3, v.cols()), w_momenta;
-  const auto shrink = [&](const auto& setDifference, const auto& apply) {
-    bool any = false;
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-      if (!(excess[g] > 0)) continue;
-      setDifference(free[g]);
-      any = true;
-    }
-    if (!any) return;
-    assembly.multiplyMass(w, w_momenta);
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-      if (!(excess[g] > 0)) continue;
-      const double slope = sumOfProducts(free[g], w, momenta),
-                   curvature = sumOfProducts(free[g], w, w_momenta);
-      apply(g, shrinkage(excess[g], slope, curvature), slope, curvature);
-    }
-  };
-  const auto reduce = [&](std::size_t g, double e) {
-    for (const int i : free[g]) v.col(i) -= e * w.col(i);
-    excess[g] = 0;
-  };
-  shrink(
-      [&](const std::vector<int>& vertices) {
-        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-        double mass = 0;
-        for (const int i : vertices) {
-          sum += masses[i] * v.col(i);
-          mass += masses[i];
-        }
-        for (const int i : vertices) w.col(i) = v.col(i) - sum / mass;
-      },
-      [&](std::size_t g, const std::optional<double>& e, double, double) {
-        if (e) reduce(g, *e);
-      });
-  shrink(
-      [&](const std::vector<int>& vertices) {
-        for (const int i : vertices) w.col(i) = v.col(i);
-      },
-      [&](std::size_t g, const std::optional<double>& e, double slope, double curvature) {
-        // None: only with a consistent mass; the least energy there is then.
-        reduce(g, e ? *e : curvature > 0 ? std::clamp(slope / curvature, 0.0, 1.0) : 0);
-      });
+  for (const bool with_mean : {false, true}) {
+    if (!(gain > 0)) break;
+    const Eigen::Matrix3Xd w = motion.free(with_mean), Mw = motion.multiplyMass(w);
+    const double slope = sumOfProducts(w, motion.momenta()), curvature = sumOfProducts(w, Mw);
+    std::optional<double> e = shrinkage(gain, slope, curvature);
+    // With a consistent mass there may be none; then the least energy there is.
+    if (!e && with_mean) e = curvature > 0 ? std::clamp(slope / curvature, 0.0, 1.0) : 0.0;
+    if (!e) continue;
+    gain += motion.add(-*e, w, Mw);
+    break;
+  }
+  state.velocities(Eigen::all, vertices) = motion.velocities();
+  balance.kinetic_energy_change_j += gain;
+  if (assembly.hasConsistentMass()) return;
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    const Eigen::Vector3d difference = motion.momenta().col(k) - before.col(k);
+    balance.momentum_change += difference;
+    balance.angular_momentum_change += Eigen::Vector3d(state.positions.col(vertices[k])).cross(difference);
+  }
 }
 
 CutBalance CutLedger::settle(const PolyhedralMesh& mesh, const MeshChange& change, const Assembly& assembly,
@@ -169,17 +199,17 @@ CutBalance CutLedger::settle(const PolyhedralMesh& mesh, const MeshChange& chang
   balance.elastic_energy_before_j = elastic_energy_;
   balance.elastic_energy_after_j = assembly.elasticEnergy(cellsAfter(change), state.positions);
   if (!is_moving_) return balance;
-  correctVelocities(findGroups(mesh, change, assembly), assembly, state);
+  for (const std::vector<int>& vertices : findGroups(mesh, change, assembly))
+    settleGroup(vertices, assembly, state, balance);
+  if (!assembly.hasConsistentMass()) return balance;
+  // The momenta of the vertices around the groups have changed too.
   Eigen::Matrix3Xd momenta;
   assembly.multiplyMass(state.velocities, momenta);
+  momenta.leftCols(momenta_.cols()) -= momenta_;
   for (Eigen::Index i = 0; i < momenta.cols(); ++i) {
-    const bool is_new = i >= masses_.size();
-    const Eigen::Vector3d before = is_new ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(momenta_.col(i));
-    const Eigen::Vector3d difference = momenta.col(i) - before;
+    const Eigen::Vector3d difference = momenta.col(i);
     balance.momentum_change += difference;
     balance.angular_momentum_change += Eigen::Vector3d(state.positions.col(i)).cross(difference);
-    balance.kinetic_energy_change_j += 0.5 * momenta.col(i).dot(state.velocities.col(i));
-    if (!is_new) balance.kinetic_energy_change_j -= 0.5 * before.dot(velocities_.col(i));
   }
   return balance;
 }

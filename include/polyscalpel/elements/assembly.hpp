@@ -73,6 +73,9 @@ class Assembly {
   /// set.
   void internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, Eigen::Matrix3Xd& forces);
 
+  /// Whether M has entries off its diagonal.
+  bool hasConsistentMass() const { return kinds_.front().element.consistent_mass; }
+
   /// M v. values, result: 3 x n; result is resized and set.
   void multiplyMass(const Eigen::Ref<const Eigen::Matrix3Xd>& values, Eigen::Matrix3Xd& result) const;
 

@@ -61,15 +61,14 @@ class CutLedger {
  private:
   std::vector<std::vector<int>> findGroups(const PolyhedralMesh& mesh, const MeshChange& change,
                                            const Assembly& assembly) const;
-  void correctVelocities(const std::vector<std::vector<int>>& groups, const Assembly& assembly,
-                         SimulationState& state) const;
+  void settleGroup(const std::vector<int>& vertices, const Assembly& assembly, SimulationState& state,
+                   CutBalance& balance) const;
 
   std::vector<int> piece_of_cell_;
   double elastic_energy_ = 0;
-  bool is_moving_ = false;       // and there is a velocity
-  Eigen::VectorXd masses_;       // n, before [kg]
-  Eigen::Matrix3Xd velocities_;  // 3 x n, before [m/s]
-  Eigen::Matrix3Xd momenta_;     // 3 x n, before [kg m/s]
+  bool is_moving_ = false;    // and there is a velocity
+  Eigen::VectorXd masses_;    // n, before [kg]
+  Eigen::Matrix3Xd momenta_;  // 3 x n, before [kg m/s]; with a consistent mass only
 };
 
 }  // namespace polyscalpel
