@@ -34,6 +34,12 @@ bool meet(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2
   return turn(a, b, c) * turn(a, b, d) <= 0 && turn(c, d, a) * turn(c, d, b) <= 0;
 }
 
+void requireAtMost(const std::string& name, const std::string& what, int count) {
+  if (count <= kMostCorners) return;
+  throw std::invalid_argument(name + ": has " + std::to_string(count) + " " + what + ", must have at most " +
+                              std::to_string(kMostCorners));
+}
+
 void requireInReach(const std::string& name, const Eigen::Ref<const Eigen::MatrixXd>& value) {
   requireFinite(name, value);
   if (value.size() > 0 && value.cwiseAbs().maxCoeff() > kLargestCoordinate_m) {
@@ -67,6 +73,7 @@ void validate(const PolygonCut& polygon) {
   if (n < 3) {
     throw std::invalid_argument("polygon: has " + std::to_string(n) + " corners, must have at least 3");
   }
+  requireAtMost("polygon", "corners", n);
   requireInReach("polygon corners", corners);
   const Vector3d centre = corners.rowwise().mean();
   const double extent = (corners.colwise() - centre).colwise().norm().maxCoeff();
@@ -109,8 +116,9 @@ void validateBladeEdge(const Eigen::Ref<const Eigen::Matrix3Xd>& edge_tool) {
     throw std::invalid_argument("blade edge: has " + std::to_string(edge_tool.cols()) +
                                 " points, must have at least 2");
   }
-  requireInReach("blade edge", edge_tool);
   const int n = static_cast<int>(edge_tool.cols());
+  requireAtMost("blade edge", "points", n);
+  requireInReach("blade edge", edge_tool);
   for (int i = 0; i < n; ++i) {
     for (int j = i + 1; j < n; ++j) {
       if (edge_tool.col(i) != edge_tool.col(j)) continue;

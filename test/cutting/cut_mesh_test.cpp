@@ -339,6 +339,16 @@ TEST(CutMesh, BadInputIsRefusedAndTheMeshIsAsItWas) {
   sweep = curvedSweep(2);
   sweep.T_world_tool[1].translation().x() = 2e9;
   refused(sweep);
+  PolygonCut round;  // simple, but with one corner too many
+  round.corners_world.setZero(3, kMostCorners + 1);
+  for (int i = 0; i <= kMostCorners; ++i) {
+    const double angle = 2 * M_PI * i / (kMostCorners + 1);
+    round.corners_world.col(i).head<2>() << std::cos(angle), std::sin(angle);
+  }
+  refused(round);
+  sweep = curvedSweep(2);
+  sweep.edge_tool = round.corners_world;
+  refused(sweep);
   refused(plane({1e300, 0, 0}, Vector3d::UnitX()));
   refused(plane({0, 0, 0}, {1e300, 1e300, 0}));  // its length is not finite
   polygon.corners_world.setConstant(1e200);

@@ -66,6 +66,9 @@ constexpr int kMostSubSteps = 1 << 14;
 /// that tell one vertex from another.
 constexpr double kLargestCoordinate_m = 1e9;
 
+/// Most corners of a polygon and points of a blade: whether they cross or repeat is looked for in pairs.
+constexpr int kMostCorners = 10000;
+
 /// What a cut did. The mesh is as it was unless status is kCut.
 struct CutResult {
   CutStatus status = CutStatus::kMissed;
@@ -82,9 +85,9 @@ struct CutResult {
 
 /// Cuts at once, through the body as it lies in `positions` (3 x n, one column per vertex [m]). cut: number
 /// for the new faces, >= 1. All or nothing. Throws std::invalid_argument for input that is no cut: not
-/// finite or above kLargestCoordinate_m, zero normal, fewer than 3 corners, corners not in one plane (1e-3 of
-/// their extent), a repeated or self-crossing outline, a blade without length or with a repeated point, fewer
-/// than two poses, a pose that is no rigid motion.
+/// finite or above kLargestCoordinate_m, zero normal, fewer than 3 corners or more than kMostCorners, corners
+/// not in one plane (1e-3 of their extent), a repeated or self-crossing outline, a blade without length or
+/// with a repeated point, fewer than two poses, a pose that is no rigid motion.
 CutResult cutMesh(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
                   const CutOperation& operation, const CuttingConfig& config, int cut);
 
