@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 
 #include <Eigen/Geometry>
 
 #include "polyscalpel/core/checks.hpp"
-#include "polyscalpel/mesh/mesh_editing.hpp"
 
 namespace polyscalpel {
 
@@ -117,38 +117,60 @@ std::optional<double> shrinkage(double excess, double slope, double curvature) {
 }  // namespace
 
 CutLedger::CutLedger(const SimulationState& state, const Assembly& assembly, const MeshChange& change,
-                     const Pieces& pieces, bool is_moving)
+                     bool is_moving)
     : elastic_energy_(assembly.elasticEnergy(cellsBefore(change), state.positions)),
       is_moving_(is_moving && !state.velocities.isZero(0)) {
   if (!is_moving_) return;
-  piece_of_cell_ = pieces.piece_of_cell;
   masses_ = assembly.vertexMasses();
   if (assembly.hasConsistentMass()) assembly.multiplyMass(state.velocities, momenta_);
 }
 
-// The vertices around which something has changed, ascending, by the piece that they were in.
+// The vertices around which something has changed, each group ascending. Vertices belong together that share
+// a cell, and so does a new one with those that it was made from; mass stays within a group.
 std::vector<std::vector<int>> CutLedger::findGroups(const PolyhedralMesh& mesh, const MeshChange& change,
                                                     const Assembly& assembly) const {
-  std::map<int, std::vector<int>> groups;
-  std::vector<char> is_taken(mesh.numVertices(), 0);
-  const auto take = [&](int piece, int vertex) {
-    if (!is_taken[vertex]) groups[piece].push_back(vertex);
-    is_taken[vertex] = 1;
+  std::vector<int> vertices, place(mesh.numVertices(), -1);  // place: in `vertices`
+  const auto take = [&](int vertex) {
+    if (place[vertex] >= 0) return;
+    place[vertex] = static_cast<int>(vertices.size());
+    vertices.push_back(vertex);
   };
-  const auto takeCell = [&](int piece, CellId cell) {
-    for (const VertexId vertex : mesh.cell(cell).vertices) take(piece, vertex.index());
-  };
-  for (const CellId cell : change.changed_cells) takeCell(piece_of_cell_[cell.index()], cell);
-  for (const NewCell& cell : change.new_cells) takeCell(piece_of_cell_[cell.parent.index()], cell.cell);
-  // The mass floor reaches beyond the cells that have changed, and so does a vertex whose copy left it.
-  for (int i = 0; i < static_cast<int>(masses_.size()); ++i) {
-    if (is_taken[i] || assembly.vertexMasses()[i] == masses_[i]) continue;
-    take(piece_of_cell_[cellsAround(mesh, VertexId(i)).front().index()], i);
+  for (const CellId cell : cellsAfter(change)) {
+    for (const VertexId vertex : mesh.cell(cell).vertices) take(vertex.index());
   }
+  for (const NewVertex& vertex : change.new_vertices) {
+    for (const VertexId parent : vertex.parents) take(parent.index());
+  }
+  // The mass floor reaches beyond the cells that have changed.
+  for (int i = 0; i < static_cast<int>(masses_.size()); ++i) {
+    if (assembly.vertexMasses()[i] != masses_[i]) take(i);
+  }
+
+  std::vector<int> roots(vertices.size());
+  std::iota(roots.begin(), roots.end(), 0);
+  const auto find = [&](int i) {
+    while (roots[i] != i) i = roots[i] = roots[roots[i]];
+    return i;
+  };
+  const auto join = [&](int vertex, int other) {
+    if (place[other] < 0) return;
+    const int i = find(place[vertex]), j = find(place[other]);
+    roots[std::max(i, j)] = std::min(i, j);
+  };
+  for (const NewVertex& vertex : change.new_vertices) {
+    for (const VertexId parent : vertex.parents) join(vertex.vertex.index(), parent.index());
+  }
+  const BlockPattern& pattern = assembly.pattern();
+  for (const int vertex : vertices) {
+    for (int k = pattern.column_start[vertex]; k < pattern.column_start[vertex + 1]; ++k)
+      join(vertex, pattern.row[k]);
+  }
+  std::map<int, std::vector<int>> groups;
+  for (std::size_t i = 0; i < vertices.size(); ++i) groups[find(static_cast<int>(i))].push_back(vertices[i]);
   std::vector<std::vector<int>> result;
-  for (auto& [piece, vertices] : groups) {
-    std::sort(vertices.begin(), vertices.end());
-    result.push_back(std::move(vertices));
+  for (auto& [root, group] : groups) {
+    std::sort(group.begin(), group.end());
+    result.push_back(std::move(group));
   }
   return result;
 }

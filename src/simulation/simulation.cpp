@@ -296,7 +296,7 @@ Debris Simulation::Impl::removeDebris() {
 CutEvent Simulation::Impl::followCut(int tool, CutResult result) {
   CutEvent event;
   event.tool = tool;
-  const CutLedger ledger(state, *assembly, result.change, pieces, isDynamic());
+  const CutLedger ledger(state, *assembly, result.change, isDynamic());
   followChange(tool, result.change);
   event.balance = ledger.settle(mesh, result.change, *assembly, state);
   num_cuts = std::max(num_cuts, result.cut + result.num_cuts - 1);

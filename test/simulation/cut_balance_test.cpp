@@ -67,10 +67,9 @@ struct Body {
   double momentumScale() const { return momenta().colwise().norm().sum(); }
 
   CutBalance cut(const CutOperation& operation, bool corrects = true) {
-    const Pieces pieces = findPieces(mesh);
     const CutResult result = cutMesh(mesh, state.positions, operation, cutting, ++num_cuts);
     EXPECT_EQ(result.status, CutStatus::kCut) << result.message;
-    const CutLedger ledger(state, assembly, result.change, pieces, corrects);
+    const CutLedger ledger(state, assembly, result.change, corrects);
     applyMeshChange(state, result.change);
     assembly.update(mesh, result.change);
     return ledger.settle(mesh, result.change, assembly, state);
