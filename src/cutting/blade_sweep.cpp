@@ -16,7 +16,6 @@ using Eigen::Vector3d;
 using Positions = Eigen::Ref<const Matrix3Xd>;
 
 constexpr int kMostHalvings = 8;
-constexpr int kMostSubSteps = 1 << 14;
 
 /// Vertices that a cut under way has just put on the cell's edges have no column yet and lie between others.
 AlignedBox3d boxOf(const Cell& cell, const Positions& positions) {
@@ -282,10 +281,12 @@ std::vector<Hit> findHits(const PolyhedralMesh& mesh, const Positions& positions
   return hits;
 }
 
-std::vector<Hit> findHits(const PolyhedralMesh& mesh, const BladeMotion& motion, double max_travel) {
+std::optional<std::vector<Hit>> findHits(const PolyhedralMesh& mesh, const BladeMotion& motion,
+                                         double max_travel) {
   const Sweep sweep(mesh, motion);
-  const int count =
-      std::clamp(static_cast<int>(std::ceil(sweep.travelInSizes() / max_travel)), 1, kMostSubSteps);
+  const double sub_steps = std::ceil(sweep.travelInSizes() / max_travel);
+  if (!(sub_steps <= kMostSubSteps)) return std::nullopt;
+  const int count = std::max(1, static_cast<int>(sub_steps));
   std::vector<Hit> hits;
   for (int i = 0; i < count; ++i) {
     sweep.findHits(static_cast<double>(i) / count, static_cast<double>(i + 1) / count, kMostHalvings, hits);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polyscalpel/cutting/cut_input.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -22,14 +23,44 @@ double turn(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-bool properlyCross(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
+bool overlap(double a, double b, double c, double d) {
+  return std::max(std::min(a, b), std::min(c, d)) <= std::min(std::max(a, b), std::max(c, d));
+}
+
+/// Whether the sides a-b and c-d cross or touch.
+bool meet(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
+  // Sides in one line that lie apart would pass the test below.
+  if (!overlap(a.x(), b.x(), c.x(), d.x()) || !overlap(a.y(), b.y(), c.y(), d.y())) return false;
   return turn(a, b, c) * turn(a, b, d) <= 0 && turn(c, d, a) * turn(c, d, b) <= 0;
+}
+
+void requireAtMost(const std::string& name, const std::string& what, int count) {
+  if (count <= kMostCorners) return;
+  throw std::invalid_argument(name + ": has " + std::to_string(count) + " " + what + ", must have at most " +
+                              std::to_string(kMostCorners));
+}
+
+void requireInReach(const std::string& name, const Eigen::Ref<const Eigen::MatrixXd>& value) {
+  requireFinite(name, value);
+  if (value.size() > 0 && value.cwiseAbs().maxCoeff() > kLargestCoordinate_m) {
+    throw std::invalid_argument(name + ": a coordinate lies beyond 1e9 m");
+  }
+}
+
+void requireRigid(const std::string& name, const Eigen::Isometry3d& pose) {
+  requireFinite(name, pose.matrix());
+  requireInReach(name, pose.translation());
+  constexpr double kOrthonormal = 1e-6;
+  const Eigen::Matrix3d R = pose.linear();
+  if (!((R.transpose() * R - Eigen::Matrix3d::Identity()).norm() <= kOrthonormal) || R.determinant() < 0) {
+    throw std::invalid_argument(name + ": its linear part must be a rotation to within 1e-6");
+  }
 }
 
 }  // namespace
 
 void validate(const PlaneCut& plane) {
-  requireFinite("plane point", plane.point_world);
+  requireInReach("plane point", plane.point_world);
   requireFinite("plane normal", plane.normal_world);
   if (plane.normal_world.norm() == 0 || !std::isfinite(plane.normal_world.norm())) {
     throw std::invalid_argument("plane normal: its length must be finite and in (0, inf)");
@@ -42,7 +73,8 @@ void validate(const PolygonCut& polygon) {
   if (n < 3) {
     throw std::invalid_argument("polygon: has " + std::to_string(n) + " corners, must have at least 3");
   }
-  requireFinite("polygon corners", corners);
+  requireAtMost("polygon", "corners", n);
+  requireInReach("polygon corners", corners);
   const Vector3d centre = corners.rowwise().mean();
   const double extent = (corners.colwise() - centre).colwise().norm().maxCoeff();
   Vector3d normal = Vector3d::Zero();  // M. E. Newell's: twice the area vector
@@ -71,7 +103,7 @@ void validate(const PolygonCut& polygon) {
   for (int i = 0; i < n; ++i) {
     for (int j = i + 2; j < n; ++j) {
       if (i == 0 && j == n - 1) continue;
-      if (properlyCross(flat(i), flat(i + 1), flat(j), flat(j + 1))) {
+      if (meet(flat(i), flat(i + 1), flat(j), flat(j + 1))) {
         throw std::invalid_argument("polygon: its sides " + std::to_string(i) + " and " + std::to_string(j) +
                                     " cross");
       }
@@ -84,11 +116,15 @@ void validateBladeEdge(const Eigen::Ref<const Eigen::Matrix3Xd>& edge_tool) {
     throw std::invalid_argument("blade edge: has " + std::to_string(edge_tool.cols()) +
                                 " points, must have at least 2");
   }
-  requireFinite("blade edge", edge_tool);
-  for (int i = 0; i + 1 < edge_tool.cols(); ++i) {
-    if (edge_tool.col(i) == edge_tool.col(i + 1)) {
-      throw std::invalid_argument("blade edge: points " + std::to_string(i) + " and " +
-                                  std::to_string(i + 1) + " coincide");
+  const int n = static_cast<int>(edge_tool.cols());
+  requireAtMost("blade edge", "points", n);
+  requireInReach("blade edge", edge_tool);
+  for (int i = 0; i < n; ++i) {
+    for (int j = i + 1; j < n; ++j) {
+      if (edge_tool.col(i) != edge_tool.col(j)) continue;
+      if (i == 0 && j == n - 1 && n > 3) continue;  // a ring
+      throw std::invalid_argument("blade edge: points " + std::to_string(i) + " and " + std::to_string(j) +
+                                  " coincide");
     }
   }
 }
@@ -99,7 +135,21 @@ void validate(const SweepCut& sweep) {
     throw std::invalid_argument("sweep: has " + std::to_string(sweep.T_world_tool.size()) +
                                 " poses, must have at least 2");
   }
-  for (const auto& T : sweep.T_world_tool) requireFinite("sweep pose", T.matrix());
+  for (std::size_t i = 0; i < sweep.T_world_tool.size(); ++i)
+    requireRigid("sweep pose " + std::to_string(i), sweep.T_world_tool[i]);
+}
+
+void validate(const std::vector<CutOperation>& operations) {
+  if (operations.empty()) throw std::invalid_argument("cuts: the list is empty, must have at least 1");
+  for (std::size_t i = 0; i < operations.size(); ++i) {
+    try {
+      std::visit([](const auto& value) { validate(value); }, operations[i]);
+    } catch (const std::invalid_argument& exception) {
+      if (operations.size() == 1) throw;
+      throw std::invalid_argument("cut " + std::to_string(i + 1) + " of " +
+                                  std::to_string(operations.size()) + ": " + exception.what());
+    }
+  }
 }
 
 void validate(const CuttingConfig& config) {
@@ -107,6 +157,7 @@ void validate(const CuttingConfig& config) {
   requireInRange("cutting.hold_back", config.hold_back, 0, 2);
   requireInRange("cutting.max_travel", config.max_travel, 1e-3, 1);
   requireInRange("cutting.fracture_toughness_j_m2", config.fracture_toughness_j_m2, 0, 1e5);
+  requireInRange("cutting.debris_volume_m3", config.debris_volume_m3, 0, kInfinity);
 }
 
 }  // namespace polyscalpel

@@ -35,11 +35,15 @@ std::string plural(int count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-/// Rounds of remembering and splitting in one transaction on the mesh.
+/// Rounds of remembering and splitting, one cut of a transaction on the mesh.
 class CutTransaction {
  public:
-  CutTransaction(PolyhedralMesh& mesh, Crossings& crossings, const CuttingConfig& config, int cut)
-      : mesh_(mesh), editor_(mesh), crossings_(crossings), config_(config) {
+  CutTransaction(MeshEditor& editor, Crossings& crossings, const CuttingConfig& config, int cut)
+      : mesh_(editor.mesh()),
+        editor_(editor),
+        start_(editor.savepoint()),
+        crossings_(crossings),
+        config_(config) {
     POLYSCALPEL_ASSERT(cut >= 1);
     result_.cut = cut;
   }
@@ -47,6 +51,10 @@ class CutTransaction {
   void remember(const std::vector<Hit>& hits) {
     for (const Hit& hit : hits) crossings_.add(mesh_, hit, config_.snap_tolerance);
   }
+
+  /// The motion is too long to be looked at: nothing of this cut counts.
+  void refuse() { is_refused_ = true; }
+  bool isRefused() const { return is_refused_; }
 
   /// Splits what is ready. Returns what this round changed.
   MeshChange split(const std::function<bool(CellId)>& is_ready) {
@@ -69,12 +77,17 @@ class CutTransaction {
   /// Cells that could not be split, of all rounds.
   const std::set<CellId>& leftWhole() const { return left_whole_; }
 
-  /// Commits. The numbers of pieces are left to the caller.
+  /// What it did, for the caller to commit. The numbers of pieces are left to the caller.
   CutResult finish(bool count_left_whole) {
-    result_.change = editor_.commit();
-    result_.status = !result_.change.isEmpty() ? CutStatus::kCut
-                     : has_met_                ? CutStatus::kNothingSeparated
-                                               : CutStatus::kMissed;
+    if (is_refused_) {
+      result_.status = CutStatus::kRefused;
+      return std::move(result_);
+    }
+    result_.change = editor_.changeSince(start_);
+    result_.status = result_.cells_split > 0 || result_.cut_area_m2 > 0 ? CutStatus::kCut
+                     : has_met_                                         ? CutStatus::kNothingSeparated
+                                                                        : CutStatus::kMissed;
+    if (result_.status != CutStatus::kCut) result_.change = {};  // divisions that were of no use
     if (count_left_whole) {
       // A cell may have been split after all in a later round.
       result_.cells_left_whole = static_cast<int>(std::count_if(
@@ -84,13 +97,15 @@ class CutTransaction {
   }
 
  private:
-  PolyhedralMesh& mesh_;
-  MeshEditor editor_;
+  const PolyhedralMesh& mesh_;
+  MeshEditor& editor_;
+  std::size_t start_;
   Crossings& crossings_;
   const CuttingConfig& config_;
   CutResult result_;
   std::set<CellId> left_whole_;
   bool has_met_ = false;
+  bool is_refused_ = false;
 };
 
 void describe(CutResult& result) {
@@ -100,6 +115,10 @@ void describe(CutResult& result) {
       break;
     case CutStatus::kNothingSeparated:
       result.message = "the blade passes no cell whole";
+      break;
+    case CutStatus::kRefused:
+      result.message = "the blade's way in one motion takes more than " + std::to_string(kMostSubSteps) +
+                       " sub-steps of max_travel times the local cell size";
       break;
     case CutStatus::kCut:
       result.message = plural(result.cells_split, "cell") + " split, " +
@@ -175,19 +194,23 @@ struct BladeCut::Impl {
     return transaction.split(isAlwaysReady);
   }
 
-  /// Splits whatever the blade has passed, up to where it stands.
-  void splitToFront(CutTransaction& transaction, const Positions& positions) {
-    if (front) {
-      Matrix3Xd moved = positions;
-      transaction.close(moved, *front);
-    }
-    splitAll(transaction);
+  /// Splits whatever the blade has passed, up to where it stands. moved: positions, which get the vertices
+  /// that closing the front makes. Returns what the splits after that changed.
+  MeshChange splitToFront(CutTransaction& transaction, Matrix3Xd& moved) {
+    if (front) transaction.close(moved, *front);
+    return splitAll(transaction);
   }
 
   /// One motion within a transaction. Returns what it changed; sets has_left where it ended the stroke.
   MeshChange move(CutTransaction& transaction, const PolyhedralMesh& mesh, const BladeMotion& motion,
                   bool& has_left) {
-    transaction.remember(findHits(mesh, motion, config.max_travel));
+    const std::optional<std::vector<Hit>> hits = findHits(mesh, motion, config.max_travel);
+    has_left = !hits;
+    if (!hits) {
+      transaction.refuse();
+      return {};
+    }
+    transaction.remember(*hits);
     const Matrix3Xd blade_world = motion.T_world_tool_end * edge_tool;
     has_left = !isBladeInTissue(mesh, motion.positions_end, blade_world, config.hold_back);
     followFront(mesh, motion);
@@ -224,12 +247,14 @@ CutResult BladeCut::advance(PolyhedralMesh& mesh, const Positions& positions_sta
                             const Positions& positions_end, const Isometry3d& T_world_tool_start,
                             const Isometry3d& T_world_tool_end, int cut) {
   const int pieces_before = impl_->countPieces(mesh);
-  CutTransaction transaction(mesh, impl_->crossings, impl_->config, cut);
+  MeshEditor editor(mesh);
+  CutTransaction transaction(editor, impl_->crossings, impl_->config, cut);
   bool has_left = false;
   impl_->move(transaction, mesh,
               {impl_->edge_tool, T_world_tool_start, T_world_tool_end, positions_start, positions_end},
               has_left);
   CutResult result = transaction.finish(has_left);
+  editor.commit();
   if (has_left) impl_->forget();
   impl_->complete(mesh, pieces_before, result);
   return result;
@@ -237,9 +262,17 @@ CutResult BladeCut::advance(PolyhedralMesh& mesh, const Positions& positions_sta
 
 CutResult BladeCut::closeFront(PolyhedralMesh& mesh, const Positions& positions, int cut) {
   const int pieces_before = impl_->countPieces(mesh);
-  CutTransaction transaction(mesh, impl_->crossings, impl_->config, cut);
-  impl_->splitToFront(transaction, positions);
+  const Crossings crossings_before = impl_->crossings;
+  MeshEditor editor(mesh);
+  CutTransaction transaction(editor, impl_->crossings, impl_->config, cut);
+  Matrix3Xd moved = positions;
+  impl_->splitToFront(transaction, moved);
   CutResult result = transaction.finish(true);
+  if (result.status == CutStatus::kCut) {
+    editor.commit();
+  } else {
+    impl_->crossings = crossings_before;
+  }
   impl_->complete(mesh, pieces_before, result);
   return result;
 }
@@ -266,45 +299,80 @@ bool BladeCut::isCutting() const {
   return !impl_->crossings.isEmpty();
 }
 
-CutResult cutMesh(PolyhedralMesh& mesh, const Positions& positions, const CutOperation& operation,
-                  const CuttingConfig& config, int cut) {
-  validate(config);
-  std::visit([](const auto& value) { validate(value); }, operation);
-  const int pieces_before = findPieces(mesh).count;
+namespace {
 
-  CutResult result;
+/// One operation of a transaction. moved: positions of all vertices, which gets those of new ones.
+CutResult cutOnce(MeshEditor& editor, Matrix3Xd& moved, const CutOperation& operation,
+                  const CuttingConfig& config, int cut) {
+  const PolyhedralMesh& mesh = editor.mesh();
+  BladeCut::Impl stroke;
+  stroke.config = config;
+  CutTransaction transaction(editor, stroke.crossings, config, cut);
+  const auto follow = [&](const MeshChange& change) { extendByNewVertices(change.new_vertices, moved); };
   if (const auto* sweep = std::get_if<SweepCut>(&operation)) {
-    BladeCut::Impl stroke;
     stroke.edge_tool = sweep->edge_tool;
-    stroke.config = config;
-    CutTransaction transaction(mesh, stroke.crossings, config, cut);
-    Matrix3Xd moved = positions;
     bool has_left = true;
     for (std::size_t i = 0; i + 1 < sweep->T_world_tool.size(); ++i) {
-      const Positions still = moved;
-      const MeshChange change = stroke.move(
-          transaction, mesh,
-          {stroke.edge_tool, sweep->T_world_tool[i], sweep->T_world_tool[i + 1], still, still}, has_left);
-      extendByNewVertices(change.new_vertices, moved);
+      const Matrix3Xd still = moved;
+      follow(stroke.move(transaction, mesh,
+                         {stroke.edge_tool, sweep->T_world_tool[i], sweep->T_world_tool[i + 1], still, still},
+                         has_left));
+      if (transaction.isRefused()) break;
       if (has_left) stroke.forget();
     }
-    if (!has_left) stroke.splitToFront(transaction, moved);
-    result = transaction.finish(true);
+    if (!has_left) follow(stroke.splitToFront(transaction, moved));
   } else {
-    Crossings crossings;
-    CutTransaction transaction(mesh, crossings, config, cut);
-    if (const auto* plane = std::get_if<PlaneCut>(&operation)) {
-      transaction.remember(findHits(mesh, positions, *plane));
-    } else {
-      transaction.remember(findHits(mesh, positions, std::get<PolygonCut>(operation)));
-    }
-    transaction.split(isAlwaysReady);
-    result = transaction.finish(true);
+    transaction.remember(std::holds_alternative<PlaneCut>(operation)
+                             ? findHits(mesh, moved, std::get<PlaneCut>(operation))
+                             : findHits(mesh, moved, std::get<PolygonCut>(operation)));
+    follow(transaction.split(isAlwaysReady));
   }
+  return transaction.finish(true);
+}
+
+}  // namespace
+
+CutResult cutMesh(PolyhedralMesh& mesh, const Positions& positions,
+                  const std::vector<CutOperation>& operations, const CuttingConfig& config, int cut) {
+  validate(config);
+  validate(operations);
+  const int pieces_before = findPieces(mesh).count;
+  MeshEditor editor(mesh);
+  Matrix3Xd moved = positions;
+  CutResult result;
+  for (std::size_t i = 0; i < operations.size(); ++i) {
+    const int number = cut + static_cast<int>(i);
+    CutResult one = cutOnce(editor, moved, operations[i], config, number);
+    if (one.status != CutStatus::kCut) {
+      one.change = {};
+      one.cells_split = 0;
+      one.cut_area_m2 = 0;
+      one.cut = cut;
+      one.pieces_before = one.pieces_after = pieces_before;
+      describe(one);
+      if (operations.size() > 1) {
+        one.message = "cut " + std::to_string(i + 1) + " of " + std::to_string(operations.size()) + ": " +
+                      one.message + "; none of them is made";
+      }
+      return one;  // the editor undoes what the ones before it did
+    }
+    result.cells_split += one.cells_split;
+    result.cells_left_whole += one.cells_left_whole;
+    result.cut_area_m2 += one.cut_area_m2;
+  }
+  result.status = CutStatus::kCut;
+  result.cut = cut;
+  result.num_cuts = static_cast<int>(operations.size());
+  result.change = editor.commit();
   result.pieces_before = pieces_before;
-  result.pieces_after = result.status == CutStatus::kCut ? findPieces(mesh).count : pieces_before;
+  result.pieces_after = findPieces(mesh).count;
   describe(result);
   return result;
+}
+
+CutResult cutMesh(PolyhedralMesh& mesh, const Positions& positions, const CutOperation& operation,
+                  const CuttingConfig& config, int cut) {
+  return cutMesh(mesh, positions, std::vector<CutOperation>{operation}, config, cut);
 }
 
 }  // namespace polyscalpel

@@ -190,16 +190,48 @@ void Assembly::makeMasses() {
       for (int j = 0; j <= i; ++j) block_masses_[blocks[j]] += density * element.mass_integral(i, j);
     }
   }
-  if (!consistent) {
-    for (int i = 0; i < numVertices(); ++i) block_masses_[pattern_.column_start[i]] = vertex_masses_[i];
-  }
-  added_mass_ = 0;
+  moved_mass_ = 0;
+  if (consistent) return;
+  if (mass_floor_kg_ > 0) applyMassFloor();
+  for (int i = 0; i < numVertices(); ++i) block_masses_[pattern_.column_start[i]] = vertex_masses_[i];
+}
+
+// A vertex and the touched ones around it are raised to no more than their own mean, so their surplus over
+// that is at least what the vertex lacks, and nobody who gives falls below what is asked for. In the order of
+// the ids, so the same mesh gives the same bits.
+void Assembly::applyMassFloor() {
+  const auto isLow = [&](int i) { return is_touched_[i] && vertex_masses_[i] < mass_floor_kg_; };
+  std::vector<int> low, place(numVertices(), -1);  // place: in `low`
   for (int i = 0; i < numVertices(); ++i) {
-    const double missing = mass_floor_kg_ - vertex_masses_[i];
-    if (!is_touched_[i] || missing <= 0) continue;
-    vertex_masses_[i] = mass_floor_kg_;
-    block_masses_[pattern_.column_start[i]] += missing;
-    added_mass_ += missing;
+    if (!isLow(i)) continue;
+    place[i] = static_cast<int>(low.size());
+    low.push_back(i);
+  }
+  if (low.empty()) return;
+  std::vector<std::vector<int>> around(low.size());
+  for (int column = 0; column < numVertices(); ++column) {
+    if (!is_touched_[column]) continue;
+    for (int k = pattern_.column_start[column] + 1; k < pattern_.column_start[column + 1]; ++k) {
+      const int row = pattern_.row[k];
+      if (!is_touched_[row]) continue;
+      if (place[column] >= 0) around[place[column]].push_back(row);
+      if (place[row] >= 0) around[place[row]].push_back(column);
+    }
+  }
+  for (const int i : low) {
+    const std::vector<int>& others = around[place[i]];
+    double sum = vertex_masses_[i];
+    for (const int j : others) sum += vertex_masses_[j];
+    const double target = std::min(mass_floor_kg_, sum / static_cast<double>(others.size() + 1));
+    const double lacking = target - vertex_masses_[i];
+    if (lacking <= 0) continue;
+    double surplus = 0;
+    for (const int j : others) surplus += std::max(0.0, vertex_masses_[j] - target);
+    if (surplus <= 0) continue;
+    const double part = std::min(1.0, lacking / surplus);
+    for (const int j : others) vertex_masses_[j] -= part * std::max(0.0, vertex_masses_[j] - target);
+    vertex_masses_[i] += part * surplus;
+    moved_mass_ += part * surplus;
   }
 }
 
@@ -337,6 +369,20 @@ double Assembly::elasticEnergy(const Eigen::Ref<const Eigen::Matrix3Xd>& positio
   Eigen::Matrix3Xd room(3, largest_cell_);
   for (const PackedCell& cell : cells_) {
     energy += polyscalpel::elasticEnergy(*measure_, view(cell), gather(cell, positions, room), work);
+  }
+  return energy;
+}
+
+double Assembly::elasticEnergy(const std::vector<CellId>& cells,
+                               const Eigen::Ref<const Eigen::Matrix3Xd>& positions) const {
+  double energy = 0;
+  CellWorkspace work(largest_cell_);
+  Eigen::Matrix3Xd room(3, largest_cell_);
+  for (const CellId id : cells) {
+    const auto place = std::lower_bound(cells_.begin(), cells_.end(), id.index(),
+                                        [](const PackedCell& cell, int index) { return cell.cell < index; });
+    POLYSCALPEL_ASSERT(place != cells_.end() && place->cell == id.index());
+    energy += polyscalpel::elasticEnergy(*measure_, view(*place), gather(*place, positions, room), work);
   }
   return energy;
 }

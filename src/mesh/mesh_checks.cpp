@@ -64,7 +64,8 @@ class MeshChecker {
       if (!(size > 0 && size < kInfinity))
         report("vertex ", v, ": local size ", size, " is not positive and finite");
       const std::vector<FaceId>& faces = mesh_.facesAround(id);
-      if (faces.empty()) report("vertex ", v, ": not used by any face");
+      if (faces.empty() && !mesh_.isRetired(id)) report("vertex ", v, ": not used by any face");
+      if (!faces.empty() && mesh_.isRetired(id)) report("vertex ", v, ": retired, but used by faces");
       if (hasRepeats(faces)) report("vertex ", v, ": lists a face twice");
       for (const FaceId face : faces) {
         if (!isFaceAlive(face)) {
@@ -172,6 +173,7 @@ class MeshChecker {
   /// it.
   void checkFans() {
     for (int v = 0; v < mesh_.numVertices(); ++v) {
+      if (mesh_.isRetired(VertexId(v))) continue;
       std::vector<CellId> cells;
       for (const FaceId face : mesh_.facesAround(VertexId(v))) {
         for (const CellId cell : mesh_.face(face).cells) {

@@ -103,8 +103,11 @@ void MeshEditor::rollBackTo(std::size_t savepoint) {
       }
     } else if (auto* old_faces = std::get_if<OldVertexFaces>(&undo)) {
       mesh_.vertex_faces_[old_faces->id.index()] = std::move(old_faces->faces);
+    } else if (const auto* retired = std::get_if<RetiredVertex>(&undo)) {
+      mesh_.is_retired_[retired->id.index()] = 0;
     } else {
       mesh_.rest_positions_.pop_back();
+      mesh_.is_retired_.pop_back();
       mesh_.local_sizes_.pop_back();
       mesh_.vertex_faces_.pop_back();
       new_vertices_.pop_back();
@@ -162,6 +165,7 @@ VertexId MeshEditor::addVertex(const NewVertex& origin) {
   const double size = std::min(mesh_.localSize(a), mesh_.localSize(b));
   journal_.push_back(AddedVertex{});
   mesh_.rest_positions_.push_back(position);
+  mesh_.is_retired_.push_back(0);
   mesh_.local_sizes_.push_back(size);
   mesh_.vertex_faces_.emplace_back();
   new_vertices_.push_back(origin);
@@ -318,6 +322,33 @@ void MeshEditor::separateVertex(VertexId vertex) {
   }
 }
 
+void MeshEditor::removeCells(const std::vector<CellId>& cells) {
+  std::vector<VertexId> vertices;
+  std::vector<FaceId> faces;
+  for (const CellId id : cells) {
+    Cell& cell = touchCell(id);
+    POLYSCALPEL_ASSERT(cell.isAlive());
+    vertices.insert(vertices.end(), cell.vertices.begin(), cell.vertices.end());
+    faces.insert(faces.end(), cell.faces.begin(), cell.faces.end());
+    cell = Cell{};
+    --mesh_.num_cells_;
+  }
+  sortUnique(vertices);
+  sortUnique(faces);
+  for (const FaceId id : faces) {
+    for (const CellId cell : mesh_.face(id).cells) {
+      POLYSCALPEL_ASSERT(!cell.isValid() || !mesh_.cell(cell).isAlive());
+    }
+    touchFace(id) = Face{};
+  }
+  for (const VertexId id : vertices) {
+    // At a vertex all cells are joined through faces, so it has no face of another piece.
+    touchVertexFaces(id).clear();
+    journal_.push_back(RetiredVertex{id});
+    mesh_.is_retired_[id.index()] = 1;
+  }
+}
+
 MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
   MeshChange change;
   std::vector<CellId> cells;
@@ -329,10 +360,13 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
       if (!old_cell->cell) first_new_cell = std::min(first_new_cell, old_cell->id.index());
     } else if (const auto* old_face = std::get_if<OldFace>(&journal_[i])) {
       change.changed_faces.push_back(old_face->id);
+    } else if (const auto* retired = std::get_if<RetiredVertex>(&journal_[i])) {
+      change.retired_vertices.push_back(retired->id);
     } else {
       num_new_vertices += std::holds_alternative<AddedVertex>(journal_[i]);
     }
   }
+  sortUnique(change.retired_vertices);
   change.new_vertices.assign(new_vertices_.end() - num_new_vertices, new_vertices_.end());
   sortUnique(change.changed_faces);
   sortUnique(cells);

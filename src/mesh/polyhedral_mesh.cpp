@@ -272,6 +272,7 @@ PolyhedralMesh::PolyhedralMesh(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
 
   local_sizes_.assign(rest_positions_.size(), kInfinity);
   vertex_faces_.resize(rest_positions_.size());
+  is_retired_.assign(rest_positions_.size(), 0);
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     const std::vector<VertexId>& loop = faces_[f].loop;
     for (std::size_t i = 0; i < loop.size(); ++i) {

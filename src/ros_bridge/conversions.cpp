@@ -55,19 +55,28 @@ std::vector<CutOperation> readPlanes(const Cut::Request& request, const Eigen::I
   return cuts;
 }
 
-SweepCut readSweep(const Cut::Request& request, const Eigen::Isometry3d& T_world_frame) {
+PolygonCut readPolygon(const std::vector<geometry_msgs::Point>& corners, const std::string& field,
+                       const Eigen::Isometry3d& T_world_frame) {
+  if (corners.size() < 3) throw std::invalid_argument(field + ": must have at least 3 corners");
+  return PolygonCut{T_world_frame * readPoints(corners, field)};
+}
+
+/// edge_field, poses_field: names of the two in the request.
+SweepCut readSweep(const std::vector<geometry_msgs::Point>& edge,
+                   const std::vector<geometry_msgs::Pose>& poses, const std::string& edge_field,
+                   const std::string& poses_field, const Eigen::Isometry3d& T_world_frame) {
   SweepCut sweep;
-  sweep.edge_tool = readPoints(request.sweep_edge, "sweep_edge");
-  if (request.sweep_edge.size() < 2) throw std::invalid_argument("sweep_edge: must have at least 2 points");
-  if (request.sweep_poses.size() < 2) throw std::invalid_argument("sweep_poses: must have at least 2 poses");
-  for (std::size_t i = 0; i < request.sweep_poses.size(); ++i) {
-    const geometry_msgs::Pose& pose = request.sweep_poses[i];
+  sweep.edge_tool = readPoints(edge, edge_field);
+  if (edge.size() < 2) throw std::invalid_argument(edge_field + ": must have at least 2 points");
+  if (poses.size() < 2) throw std::invalid_argument(poses_field + ": must have at least 2 poses");
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const geometry_msgs::Pose& pose = poses[i];
     switch (checkPose(pose)) {
       case PoseCheck::kNotFinite:
-        refuse(item("sweep_poses", i) + ".position", fromMsg(pose.position),
+        refuse(item(poses_field, i) + ".position", fromMsg(pose.position),
                "position and orientation must be finite");
       case PoseCheck::kBadQuaternion:
-        refuse(item("sweep_poses", i) + ".orientation", quaternion(pose.orientation),
+        refuse(item(poses_field, i) + ".orientation", quaternion(pose.orientation),
                "must be a unit quaternion, its norm within 1e-3 of 1");
       case PoseCheck::kGood:
         sweep.T_world_tool.push_back(T_world_frame * fromMsg(pose));
@@ -157,19 +166,23 @@ PoseCheck checkPose(const geometry_msgs::Pose& pose) {
 }
 
 std::vector<CutOperation> fromMsg(const Cut::Request& request, const Eigen::Isometry3d& T_world_frame) {
-  const bool has_planes = !request.plane_points.empty() || !request.plane_normals.empty();
-  const bool has_polygon = !request.polygon.empty();
-  const bool has_sweep = !request.sweep_edge.empty() || !request.sweep_poses.empty();
-  const int kinds = int{has_planes} + int{has_polygon} + int{has_sweep};
-  if (kinds != 1)
+  std::vector<CutOperation> cuts = readPlanes(request, T_world_frame);
+  if (!request.polygon.empty()) cuts.push_back(readPolygon(request.polygon, "polygon", T_world_frame));
+  for (std::size_t i = 0; i < request.polygons.size(); ++i)
+    cuts.push_back(readPolygon(request.polygons[i].corners, item("polygons", i) + ".corners", T_world_frame));
+  if (!request.sweep_edge.empty() || !request.sweep_poses.empty())
+    cuts.push_back(
+        readSweep(request.sweep_edge, request.sweep_poses, "sweep_edge", "sweep_poses", T_world_frame));
+  for (std::size_t i = 0; i < request.sweeps.size(); ++i) {
+    const std::string name = item("sweeps", i);
+    cuts.push_back(readSweep(request.sweeps[i].edge, request.sweeps[i].poses, name + ".edge", name + ".poses",
+                             T_world_frame));
+  }
+  if (cuts.empty())
     throw std::invalid_argument(
-        "the request holds " + std::to_string(kinds) +
-        " kinds of cut: must be one of planes (plane_points, plane_normals), polygon, sweep "
-        "(sweep_edge, sweep_poses)");
-  if (has_planes) return readPlanes(request, T_world_frame);
-  if (has_sweep) return {readSweep(request, T_world_frame)};
-  if (request.polygon.size() < 3) throw std::invalid_argument("polygon: must have at least 3 corners");
-  return {PolygonCut{T_world_frame * readPoints(request.polygon, "polygon")}};
+        "the request holds no cut: must hold planes (plane_points, plane_normals), a polygon or polygons, "
+        "a sweep (sweep_edge, sweep_poses) or sweeps");
+  return cuts;
 }
 
 ContactForces toMsg(const std::vector<AppliedContact>& contacts, const std::vector<ToolConfig>& tools) {

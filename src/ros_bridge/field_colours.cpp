@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <limits>
 
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/mesh/surface.hpp"
@@ -33,7 +34,7 @@ Eigen::VectorXd vertexErrors(const PolyhedralMesh& mesh, const StressField& fiel
       ++counts[vertex.index()];
     }
   }
-  return sums.array() / counts.cast<double>().array();
+  return sums.array() / counts.cwiseMax(1).cast<double>().array();
 }
 
 double valueAt(const Face& face, int triangle, int corner, const Eigen::VectorXd& vertex_values) {
@@ -43,17 +44,7 @@ double valueAt(const Face& face, int triangle, int corner, const Eigen::VectorXd
   return value;
 }
 
-}  // namespace
-
-Eigen::Vector3d mapColour(double value) {
-  const double place = std::clamp(value, 0.0, 1.0) * (kNumColours - 1);
-  const int below = std::min(static_cast<int>(place), kNumColours - 2);
-  const double part = place - below;
-  const auto i = static_cast<std::size_t>(below);
-  return (1 - part) * kColours[i] + part * kColours[i + 1];
-}
-
-Eigen::VectorXd vertexValues(const PolyhedralMesh& mesh, const StressField& field, ColourBy colour_by) {
+Eigen::VectorXd valuesOfAll(const PolyhedralMesh& mesh, const StressField& field, ColourBy colour_by) {
   switch (colour_by) {
     case ColourBy::kVonMises:
       return vonMises(field.vertex_stresses);
@@ -68,9 +59,27 @@ Eigen::VectorXd vertexValues(const PolyhedralMesh& mesh, const StressField& fiel
   return {};
 }
 
+}  // namespace
+
+Eigen::Vector3d mapColour(double value) {
+  const double place = std::clamp(value, 0.0, 1.0) * (kNumColours - 1);
+  const int below = std::min(static_cast<int>(place), kNumColours - 2);
+  const double part = place - below;
+  const auto i = static_cast<std::size_t>(below);
+  return (1 - part) * kColours[i] + part * kColours[i + 1];
+}
+
+Eigen::VectorXd vertexValues(const PolyhedralMesh& mesh, const StressField& field, ColourBy colour_by) {
+  Eigen::VectorXd values = valuesOfAll(mesh, field, colour_by);
+  for (int i = 0; i < mesh.numVertices(); ++i) {
+    if (mesh.isRetired(VertexId(i))) values[i] = std::numeric_limits<double>::quiet_NaN();
+  }
+  return values;
+}
+
 Eigen::Vector2d colourRange(const Eigen::VectorXd& values, const Eigen::Vector2d& asked_pa) {
   if (!asked_pa.isZero(0) || values.size() == 0) return asked_pa;
-  return {values.minCoeff(), values.maxCoeff()};
+  return {values.minCoeff<Eigen::PropagateNumbers>(), values.maxCoeff<Eigen::PropagateNumbers>()};
 }
 
 std::string describeColours(ColourBy colour_by, const Eigen::Vector2d& range_pa) {

@@ -77,8 +77,12 @@ void MeshPublisher::addSurface(visualization_msgs::MarkerArray& array) const {
     values = vertexValues(mesh, *field, node.colour_by);
     range_pa = colourRange(values, node.colour_range_pa);
     Marker label = makeLabel("colours", 0, describeColours(node.colour_by, range_pa));
-    label.pose.position = toPointMsg((positions.rowwise().minCoeff() + positions.rowwise().maxCoeff()) / 2);
-    label.pose.position.z = positions.row(2).maxCoeff() + kColourLabelHeight * body_size_m_;
+    Eigen::AlignedBox3d box;
+    for (int i = 0; i < mesh.numVertices(); ++i) {
+      if (!mesh.isRetired(VertexId(i))) box.extend(positions.col(i));
+    }
+    label.pose.position = toPointMsg(box.center());
+    label.pose.position.z = box.max().z() + kColourLabelHeight * body_size_m_;
     array.markers.push_back(std::move(label));
   }
   const auto add = [&](bool cut_faces, const Rgba& rgba, const std::string& name) {

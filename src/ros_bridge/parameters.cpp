@@ -123,6 +123,7 @@ CuttingConfig readCutting(YamlMap map) {
   map.number("hold_back", config.hold_back, {0, 2});
   map.number("max_travel", config.max_travel, {0, 1, true, false});
   map.number("fracture_toughness_j_m2", config.fracture_toughness_j_m2, {0, 1e5});
+  map.number("debris_volume_m3", config.debris_volume_m3, kNotNegative);
   map.finish();
   return config;
 }

@@ -166,13 +166,10 @@ bool SimulationNode::onCut(Cut::Request& request, Cut::Response& response) {
                                     " at the time header.stamp");
       T_world_frame = found->T_world_frame;
     }
-    for (const CutOperation& operation : fromMsg(request, T_world_frame)) {
-      makeCut(operation, response);
-      if (!response.success) break;
-    }
+    makeCuts(fromMsg(request, T_world_frame), response);
   } catch (const std::exception& exception) {
     response.success = false;
-    response.message = (response.message.empty() ? "" : response.message + "; ") + exception.what();
+    response.message = exception.what();
   }
   response.pieces = simulation_.pieces().count;
   response.cells = simulation_.mesh().numCells();
@@ -184,18 +181,30 @@ bool SimulationNode::onCut(Cut::Request& request, Cut::Response& response) {
   return true;
 }
 
-void SimulationNode::makeCut(const CutOperation& operation, Cut::Response& response) {
-  response.success = false;
-  const CutResult result = simulation_.cut(operation);
-  response.message += (response.message.empty() ? "" : "; ") + result.message;
-  response.cells_left_whole += result.cells_left_whole;
-  if (result.status != CutStatus::kCut) return;
-  ++response.cuts;
-  response.cells_split += result.cells_split;
-  response.cut_area_m2 += result.cut_area_m2;
-  response.success = true;
-  cut_event_publisher_.publish(result, simulation_.mesh(), "service", stateStamp(), simulation_.time_s());
+void SimulationNode::makeCuts(const std::vector<CutOperation>& operations, Cut::Response& response) {
+  const CutEvent event = simulation_.cutAll(operations);
+  const CutResult& result = event.result;
+  response.message = result.message;
+  response.cells_left_whole = result.cells_left_whole;
+  response.success = result.status == CutStatus::kCut;
+  if (!response.success) return;
+  response.cuts = result.num_cuts;
+  response.cells_split = result.cells_split;
+  response.cut_area_m2 = result.cut_area_m2;
+  response.debris_pieces = event.debris.num_pieces;
+  response.debris_volume_m3 = event.debris.volume_m3;
+  publishCut(event, stateStamp());
   cut_event_publisher_.noteFaces(simulation_.mesh());
+}
+
+void SimulationNode::publishCut(const CutEvent& event, const ros::Time& stamp) {
+  const std::string source =
+      event.tool < 0 ? "service" : parameters_.simulation.tools[static_cast<std::size_t>(event.tool)].name;
+  cut_event_publisher_.publish({event.result, event.balance, event.debris, event.pieces}, simulation_.mesh(),
+                               source, stamp, simulation_.time_s());
+  if (event.debris.num_pieces > 0)
+    ROS_INFO("%d pieces of %.3g ml in all are taken away as debris", event.debris.num_pieces,
+             event.debris.volume_m3 * 1e6);
 }
 
 bool SimulationNode::onSetPaused(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
@@ -339,12 +348,10 @@ void SimulationNode::step(const ToolPoses& T_world_tool, const ros::Time& stamp)
     tool.enabled = report.tools[i].enabled;
     tool.reseated = report.tools[i].reseated;
     tool.pending_crossings = report.tools[i].pending_crossings;
+    tool.refusal = report.tools[i].refusal;
+    if (!tool.refusal.empty()) ROS_WARN("tool %s: not cut: %s", tool.name.c_str(), tool.refusal.c_str());
   }
-  for (const CutEvent& cut : report.cuts) {
-    const std::string source =
-        cut.tool < 0 ? "service" : parameters_.simulation.tools[static_cast<std::size_t>(cut.tool)].name;
-    cut_event_publisher_.publish(cut.result, simulation_.mesh(), source, stamp, simulation_.time_s());
-  }
+  for (const CutEvent& cut : report.cuts) publishCut(cut, stamp);
   if (!report.cuts.empty()) {
     body_counter_.topologyChanged();
     cut_event_publisher_.noteFaces(simulation_.mesh());

@@ -13,6 +13,7 @@ namespace {
 using diagnostic_msgs::DiagnosticStatus;
 
 constexpr double kWindow_s = 1;
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 /// A node in real time that is further behind than this warns.
 constexpr double kLargeLag_s = 1;
 
@@ -63,6 +64,9 @@ DiagnosticStatus diagnoseSimulation(const StepStatus& status) {
   addValue(entry, "pieces", status.pieces);
   addValue(entry, "cuts", status.cuts);
   addValue(entry, "cells_left_whole", status.cells_left_whole);
+  addValue(entry, "debris_pieces", status.debris_pieces);
+  addValue(entry, "shortest_edge_relative", status.shortest_edge_relative);
+  addValue(entry, "condition_estimate", status.condition_estimate);
   addValue(entry, "volume_relative_error", status.volume_relative_error);
   return entry;
 }
@@ -76,6 +80,10 @@ DiagnosticStatus diagnoseTool(const ToolStatus& tool, const ToolStatus& previous
   if (tool.clock_jumps > previous.clock_jumps) {
     entry.level = DiagnosticStatus::WARN;
     entry.message = "the clock behind its stamps was set";
+  }
+  if (!tool.refusal.empty()) {
+    entry.level = DiagnosticStatus::WARN;
+    entry.message = tool.refusal;
   }
   if (tool.jumps > previous.jumps) {
     entry.level = DiagnosticStatus::WARN;
@@ -117,9 +125,17 @@ void BodyCounter::fill(StepStatus& status, const Simulation& simulation) {
   status.cells_left_whole = simulation.cellsLeftWhole();
   status.volume_m3 = volume_m3_;
   status.volume_relative_error =
-      std::abs(volume_m3_ - simulation.restVolume_m3()) / simulation.restVolume_m3();
+      std::abs(volume_m3_ + simulation.debris().volume_m3 - simulation.restVolume_m3()) /
+      simulation.restVolume_m3();
+  status.debris_pieces = simulation.debris().num_pieces;
+  status.debris_volume_m3 = simulation.debris().volume_m3;
+  const std::optional<MeshQuality> quality = simulation.quality();
+  status.shortest_edge_m = quality ? quality->shortest_edge_m : kNone;
+  status.shortest_edge_relative = quality ? quality->shortest_edge_relative : kNone;
+  status.smallest_cell_volume_relative = quality ? quality->smallest_cell_volume_relative : kNone;
+  status.condition_estimate = simulation.conditionEstimate().value_or(kNone);
   status.energy_j = simulation.totalEnergy_j();
-  status.added_mass_kg = simulation.addedMass_kg();
+  status.moved_mass_kg = simulation.movedMass_kg();
   status.parts = simulation.parts();
 }
 
@@ -141,7 +157,6 @@ void fillStep(StepStatus& status, const StepReport& report) {
 }
 
 void fillStress(StepStatus& status, const StressField* field) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   status.error_estimate = field == nullptr ? kNone : field->relative_error;
   status.von_mises_max_pa = field == nullptr ? kNone : vonMises(field->vertex_stresses).maxCoeff();
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -10,31 +11,22 @@
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/core/stage_timer.hpp"
 #include "polyscalpel/elements/assembly.hpp"
-#include "polyscalpel/mesh/mesh_generation.hpp"
+#include "polyscalpel/mesh/mesh_editing.hpp"
 #include "polyscalpel/mesh/surface.hpp"
+#include "polyscalpel/simulation/cut_balance.hpp"
 #include "polyscalpel/simulation/equilibrium.hpp"
+#include "polyscalpel/simulation/mesh_quality.hpp"
+#include "polyscalpel/simulation/piece_table.hpp"
 #include "polyscalpel/simulation/regions.hpp"
 #include "polyscalpel/simulation/simulation_state.hpp"
 #include "polyscalpel/simulation/time_integration.hpp"
+#include "scene_mesh.hpp"
 
 namespace polyscalpel {
 
 namespace {
 
 using ToolPoses = std::vector<std::optional<Eigen::Isometry3d>>;
-
-struct MeshMaker {
-  MeshFile operator()(const BoxMeshConfig& box) const {
-    return {box.tetrahedra ? makeTetBox(box.lowest_m, box.size_m, box.counts)
-                           : makeHexBox(box.lowest_m, box.size_m, box.counts),
-            {},
-            {}};
-  }
-  MeshFile operator()(const BallMeshConfig& ball) const {
-    return {makeTetBall(ball.centre_m, ball.radius_m, ball.half_count), {}, {}};
-  }
-  MeshFile operator()(const MeshFileConfig& file) const { return readMesh(file); }
-};
 
 struct Sphere {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // in the tool's frame [m]
@@ -115,6 +107,7 @@ struct Simulation::Impl {
   PolyhedralMesh pristine_mesh;
   SimulationState pristine_state;
   std::optional<Assembly> pristine_assembly;
+  std::optional<QualityMonitor> pristine_quality;  // scenes with cutting
   double rest_volume = 0;
 
   PolyhedralMesh mesh;
@@ -123,6 +116,9 @@ struct Simulation::Impl {
   std::optional<ImplicitEuler> integrator;  // dynamic scenes
   std::optional<TissueSurface> surface;     // scenes with contact
   Pieces pieces;
+  std::vector<PieceProperties> piece_table;
+  std::optional<QualityMonitor> quality;
+  Debris debris;  // all of it, without the changes
   std::int64_t step_count = 0;
   int num_cuts = 0;
   int cells_left_whole = 0;
@@ -132,13 +128,14 @@ struct Simulation::Impl {
 
   explicit Impl(const SimulationConfig& given) : config(given) {
     validate(config);
-    MeshFile file = std::visit(MeshMaker{}, config.mesh);
+    MeshFile file = makeSceneMesh(config.mesh);
     remarks = std::move(file.remarks);
     pristine_mesh = std::move(file.mesh);
     rest_volume = volume(pristine_mesh, pristine_mesh.restPositions());
     pristine_state = makeRestState(pristine_mesh, config.fixed);
     pristine_assembly.emplace(pristine_mesh, makeCellKinds(pristine_mesh, config, file.region_names),
                               config.integration.mass_floor);
+    if (config.cutting) pristine_quality.emplace(pristine_mesh, *pristine_assembly);
     parts = {"mesh", "elements", nameOf(config.integration.mode)};
     bool has_shape = false;
     for (const ToolConfig& tool_config : config.tools) {
@@ -164,7 +161,9 @@ struct Simulation::Impl {
     mesh = pristine_mesh;
     state = pristine_state;
     assembly = pristine_assembly;
-    pieces = findPieces(mesh);
+    quality = pristine_quality;
+    debris = Debris();
+    countPieces();
     step_count = 0;
     num_cuts = 0;
     cells_left_whole = 0;
@@ -185,8 +184,14 @@ struct Simulation::Impl {
                           const std::vector<Eigen::Vector3d>& forces, const ToolPoses& T_end,
                           StepReport& report);
   void moveBlades(const ToolPoses& T_end, Eigen::Matrix3Xd& positions_start, StepReport& report);
+  void countPieces() {
+    pieces = findPieces(mesh);
+    piece_table = measurePieces(mesh, pieces, *assembly);
+  }
   void commit(int tool, CutResult result, Eigen::Matrix3Xd* positions_start, StepReport& report);
-  void followCut(int tool, const CutResult& result);
+  void followChange(int tool, const MeshChange& change);
+  CutEvent followCut(int tool, CutResult result);
+  Debris removeDebris();
   Eigen::Vector3d cuttingResistance(int tool, const CutResult& result,
                                     const Eigen::Matrix3Xd& positions_start, const Eigen::Isometry3d& T_start,
                                     const Eigen::Isometry3d& T_end) const;
@@ -251,20 +256,55 @@ void Simulation::Impl::applyContactForces(const std::vector<LinearisedContact>& 
   }
 }
 
-// Everything downstream of the mesh refreshes from the change. tool: whose blade made it, -1 for none.
-void Simulation::Impl::followCut(int tool, const CutResult& result) {
-  applyMeshChange(state, result.change);
-  assembly->update(mesh, result.change);
+// Everything downstream of the mesh refreshes from the change. tool: whose blade made it and knows it, -1 for
+// none.
+void Simulation::Impl::followChange(int tool, const MeshChange& change) {
+  applyMeshChange(state, change);
+  assembly->update(mesh, change);
+  if (quality) quality->update(mesh, *assembly, change);
   if (integrator) integrator->restart();
-  if (surface) surface->update(mesh, result.change, state.positions);
+  if (surface) surface->update(mesh, change, state.positions);
   for (std::size_t i = 0; i < tools.size(); ++i) {
-    if (static_cast<int>(i) != tool && tools[i].blade) tools[i].blade->update(mesh, result.change);
+    if (static_cast<int>(i) != tool && tools[i].blade) tools[i].blade->update(mesh, change);
   }
-  pieces = findPieces(mesh);
-  num_cuts = std::max(num_cuts, result.cut);
-  cells_left_whole += result.cells_left_whole;
+  countPieces();
   static_solution_stands = false;
   stress.reset();
+}
+
+Debris Simulation::Impl::removeDebris() {
+  Debris removed;
+  const std::vector<CellId> cells = findDebris(mesh, pieces, piece_table, config.cutting->debris_volume_m3);
+  if (cells.empty()) return removed;
+  std::set<int> numbers;
+  for (const CellId cell : cells) numbers.insert(pieces.piece_of_cell[cell.index()]);
+  for (const int piece : numbers) {
+    ++removed.num_pieces;
+    removed.volume_m3 += piece_table[piece].volume_m3;
+    removed.mass_kg += piece_table[piece].mass_kg;
+  }
+  MeshEditor editor(mesh);
+  editor.removeCells(cells);
+  removed.change = editor.commit();
+  followChange(-1, removed.change);
+  debris.num_pieces += removed.num_pieces;
+  debris.volume_m3 += removed.volume_m3;
+  debris.mass_kg += removed.mass_kg;
+  return removed;
+}
+
+CutEvent Simulation::Impl::followCut(int tool, CutResult result) {
+  CutEvent event;
+  event.tool = tool;
+  const CutLedger ledger(state, *assembly, result.change, isDynamic());
+  followChange(tool, result.change);
+  event.balance = ledger.settle(mesh, result.change, *assembly, state);
+  num_cuts = std::max(num_cuts, result.cut + result.num_cuts - 1);
+  cells_left_whole += result.cells_left_whole;
+  event.debris = removeDebris();
+  event.pieces = piece_table;
+  event.result = std::move(result);
+  return event;
 }
 
 void Simulation::Impl::commit(int tool, CutResult result, Eigen::Matrix3Xd* positions_start,
@@ -272,8 +312,7 @@ void Simulation::Impl::commit(int tool, CutResult result, Eigen::Matrix3Xd* posi
   if (result.status != CutStatus::kCut) return;
   const StageTimer timer(report.times.update_s);
   if (positions_start) extendByNewVertices(result.change.new_vertices, *positions_start);
-  followCut(tool, result);
-  report.cuts.push_back({tool, std::move(result)});
+  report.cuts.push_back(followCut(tool, std::move(result)));
 }
 
 // The work of fracture, toughness times new area, over the blade's travel relative to the tissue it has just
@@ -317,6 +356,7 @@ void Simulation::Impl::moveBlades(const ToolPoses& T_end, Eigen::Matrix3Xd& posi
       }
       report.tools[i].pending_crossings = blade.numPending();
     }
+    if (result.status == CutStatus::kRefused) report.tools[i].refusal = result.message;
     if (result.status == CutStatus::kCut) tools[i].cut = cut;
     if (!blade.isCutting()) tools[i].cut = 0;
     const std::size_t num_events = report.cuts.size();
@@ -428,11 +468,18 @@ StepReport Simulation::step(const std::vector<std::optional<Eigen::Isometry3d>>&
 }
 
 CutResult Simulation::cut(const CutOperation& operation) {
+  return cutAll({operation}).result;
+}
+
+CutEvent Simulation::cutAll(const std::vector<CutOperation>& operations) {
   Impl& s = *impl_;
   if (!s.config.cutting) throw std::invalid_argument("cut: the scene is built without cutting");
-  CutResult result = cutMesh(s.mesh, s.state.positions, operation, *s.config.cutting, s.num_cuts + 1);
-  if (result.status == CutStatus::kCut) s.followCut(-1, result);
-  return result;
+  CutResult result = cutMesh(s.mesh, s.state.positions, operations, *s.config.cutting, s.num_cuts + 1);
+  if (result.status == CutStatus::kCut) return s.followCut(-1, std::move(result));
+  CutEvent event;
+  event.result = std::move(result);
+  event.pieces = s.piece_table;
+  return event;
 }
 
 void Simulation::reset() {
@@ -453,6 +500,9 @@ const Eigen::Matrix3Xd& Simulation::velocities() const {
 }
 const Pieces& Simulation::pieces() const {
   return impl_->pieces;
+}
+const std::vector<PieceProperties>& Simulation::pieceTable() const {
+  return impl_->piece_table;
 }
 const std::vector<bool>& Simulation::fixedVertices() const {
   return impl_->state.fixed;
@@ -479,8 +529,23 @@ int Simulation::numCuts() const {
 int Simulation::cellsLeftWhole() const {
   return impl_->cells_left_whole;
 }
-double Simulation::addedMass_kg() const {
-  return impl_->assembly->addedMass_kg();
+const Debris& Simulation::debris() const {
+  return impl_->debris;
+}
+std::optional<MeshQuality> Simulation::quality() const {
+  if (!impl_->quality) return std::nullopt;
+  return impl_->quality->quality();
+}
+std::optional<double> Simulation::conditionEstimate() const {
+  const Impl& s = *impl_;
+  if (!s.quality || !s.isDynamic()) return std::nullopt;
+  const IntegrationConfig& c = s.config.integration;
+  return 1 + c.time_step_s * (c.time_step_s + c.stiffness_damping_s) /
+                 (1 + c.time_step_s * c.mass_damping_per_s) *
+                 s.quality->quality().largest_stiffness_over_mass_1_s2;
+}
+double Simulation::movedMass_kg() const {
+  return impl_->assembly->movedMass_kg();
 }
 
 double Simulation::totalEnergy_j() const {

@@ -67,6 +67,10 @@ void applyMeshChange(SimulationState& state, const MeshChange& change) {
   for (const NewVertex& vertex : change.new_vertices) {
     state.fixed.push_back(state.fixed[vertex.parents[0].index()] && state.fixed[vertex.parents[1].index()]);
   }
+  for (const VertexId vertex : change.retired_vertices) {
+    state.velocities.col(vertex.index()).setZero();
+    state.fixed[vertex.index()] = true;
+  }
 }
 
 }  // namespace polyscalpel

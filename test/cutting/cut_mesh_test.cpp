@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 #include <set>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -160,6 +161,139 @@ TEST(CutMesh, APolygonCutsOnlyWhereItReaches) {
   EXPECT_LT(result.cut_area_m2, 0.6);
 }
 
+/// Everything a cut could have changed.
+std::string fingerprint(const PolyhedralMesh& mesh) {
+  std::ostringstream text;
+  text << std::hexfloat;
+  for (int i = 0; i < mesh.numVertices(); ++i) text << mesh.restPosition(VertexId(i)).transpose() << ' ';
+  for (int i = 0; i < mesh.faceCapacity(); ++i) {
+    const Face& face = mesh.face(FaceId(i));
+    for (const VertexId v : face.loop) text << v.index() << ' ';
+    text << face.cells[0].index() << ' ' << face.cells[1].index() << ' ' << face.cut << '\n';
+  }
+  for (int i = 0; i < mesh.cellCapacity(); ++i) {
+    for (const FaceId f : mesh.cell(CellId(i)).faces) text << f.index() << ' ';
+    text << '\n';
+  }
+  return text.str();
+}
+
+TEST(CutMesh, AListIsCutAsItsPartsOneByOne) {
+  const std::vector<CutOperation> operations = {plane({0.5, 0, 0}, Vector3d::UnitX()),
+                                                plane({1.5, 0, 0}, {2, 0.3, 0}),
+                                                plane({0, 1.5, 0}, -Vector3d::UnitY())};
+  PolyhedralMesh at_once = blocks(), one_by_one = blocks();
+  const CutResult result = cutMesh(at_once, at_once.restPositions(), operations, {}, 5);
+  ASSERT_EQ(result.status, CutStatus::kCut) << result.message;
+  int splits = 0, cut = 5;
+  double area = 0;
+  for (const CutOperation& operation : operations) {
+    const Matrix3Xd positions = one_by_one.restPositions();
+    const CutResult part = cutMesh(one_by_one, positions, operation, {}, cut++);
+    splits += part.cells_split;
+    area += part.cut_area_m2;
+  }
+  EXPECT_EQ(fingerprint(at_once), fingerprint(one_by_one));
+  EXPECT_EQ(result.cells_split, splits);
+  EXPECT_DOUBLE_EQ(result.cut_area_m2, area);
+  EXPECT_EQ(result.cut, 5);
+  EXPECT_EQ(result.num_cuts, 3);
+  EXPECT_EQ(result.pieces_before, 1);
+  EXPECT_EQ(result.pieces_after, 6);
+  EXPECT_EQ(static_cast<int>(result.change.new_vertices.size()), at_once.numVertices() - 64);
+  for (const NewCell& cell : result.change.new_cells) {
+    EXPECT_TRUE(at_once.cell(cell.cell).isAlive());
+    EXPECT_LT(cell.parent.index(), 27) << "parents are cells of the mesh before the list";
+    EXPECT_FALSE(at_once.cell(cell.parent).isAlive());
+  }
+}
+
+TEST(CutMesh, AListOfWhichOneIsNoCutOrCutsNothingLeavesTheMeshToTheBit) {
+  PolyhedralMesh mesh = blocks();
+  const Matrix3Xd positions = mesh.restPositions();
+  const std::string before = fingerprint(mesh);
+  const CutOperation good = plane({0.5, 0, 0}, Vector3d::UnitX());
+  const auto messageOf = [&](const std::vector<CutOperation>& operations) -> std::string {
+    try {
+      cutMesh(mesh, positions, operations, {}, 1);
+    } catch (const std::invalid_argument& exception) {
+      return exception.what();
+    }
+    return {};
+  };
+  EXPECT_NE(messageOf({good, plane({1, 1, 1}, Vector3d::Zero())}).find("cut 2 of 2"), std::string::npos);
+  EXPECT_NE(messageOf({}).find("empty"), std::string::npos);
+  EXPECT_EQ(fingerprint(mesh), before);
+
+  const CutResult missed = cutMesh(mesh, positions, {good, plane({9, 0, 0}, Vector3d::UnitX()), good}, {}, 1);
+  EXPECT_EQ(missed.status, CutStatus::kMissed);
+  EXPECT_NE(missed.message.find("cut 2 of 3"), std::string::npos) << missed.message;
+  EXPECT_TRUE(missed.change.isEmpty());
+  EXPECT_EQ(missed.cells_split, 0);
+  EXPECT_EQ(missed.pieces_after, 1);
+  EXPECT_EQ(fingerprint(mesh), before);
+
+  SweepCut far = curvedSweep(2);
+  far.T_world_tool[0].translation().x() = -1e6;
+  const CutResult refused = cutMesh(mesh, positions, {good, far}, {}, 1);
+  EXPECT_EQ(refused.status, CutStatus::kRefused) << refused.message;
+  EXPECT_NE(refused.message.find("sub-steps"), std::string::npos) << refused.message;
+  EXPECT_EQ(fingerprint(mesh), before);
+}
+
+TEST(CutMesh, ASweepIsRefusedFromTheStatedNumberOfSubStepsOn) {
+  PolyhedralMesh mesh = blocks();
+  const Matrix3Xd positions = mesh.restPositions();
+  const CuttingConfig config;
+  const double longest = kMostSubSteps * config.max_travel;  // local sizes are 1
+  SweepCut sweep;
+  sweep.edge_tool.resize(3, 2);
+  sweep.edge_tool << 0, 0, 0, 0, -9, 9;
+  sweep.T_world_tool.resize(2, Isometry3d::Identity());
+  sweep.T_world_tool[0].translation() = Vector3d(4 - 1.01 * longest, 1.4, 1);
+  sweep.T_world_tool[1].translation() = Vector3d(4, 1.4, 1);
+  EXPECT_EQ(cutMesh(mesh, positions, sweep, config, 1).status, CutStatus::kRefused);
+  EXPECT_EQ(mesh.numCells(), 27);
+  // The same way where no tissue is near is none too long.
+  SweepCut away = sweep;
+  for (Isometry3d& T : away.T_world_tool) T.translation().y() += 4 * longest;
+  EXPECT_EQ(cutMesh(mesh, positions, away, config, 1).status, CutStatus::kMissed);
+  sweep.T_world_tool[0].translation().x() = 4 - 0.99 * longest;
+  EXPECT_EQ(cutMesh(mesh, positions, sweep, config, 1).status, CutStatus::kCut);
+  EXPECT_EQ(findPieces(mesh).count, 2);
+}
+
+TEST(BladeCut, AMotionThatIsTooLongIsRefusedAndEndsTheStroke) {
+  PolyhedralMesh mesh = blocks();
+  const Matrix3Xd positions = mesh.restPositions();
+  Matrix3Xd edge(3, 2);
+  edge << 0, 0, 0, 0, -9, 9;
+  BladeCut blade(edge, {});
+  Isometry3d start = Isometry3d::Identity(), inside = start, far = start;
+  start.translation() = Vector3d(-1, 1.4, 1);
+  inside.translation() = Vector3d(0.7, 1.4, 1);
+  far.translation() = Vector3d(1e9, 1.4, 1);
+  blade.advance(mesh, positions, positions, start, inside, 1);
+  ASSERT_GT(blade.numPending(), 0);
+  const std::string before = fingerprint(mesh);
+  const CutResult result = blade.advance(mesh, mesh.restPositions(), mesh.restPositions(), inside, far, 1);
+  EXPECT_EQ(result.status, CutStatus::kRefused);
+  EXPECT_FALSE(result.message.empty());
+  EXPECT_EQ(fingerprint(mesh), before);
+  EXPECT_FALSE(blade.isCutting());
+}
+
+TEST(CutMesh, APolygonMayHaveSidesInOneLine) {
+  // A comb: the sides at y = 2 lie in one line and apart.
+  PolygonCut comb;
+  comb.corners_world.resize(3, 8);
+  comb.corners_world << 0.47, 0.47, 0.47, 0.47, 0.47, 0.47, 0.47, 0.47,  //
+      -1, 4, 4, 2.2, 2.2, 0.8, 0.8, -1,                                  //
+      -1, -1, 4, 4, 1.5, 1.5, 4, 4;
+  PolyhedralMesh mesh = blocks();
+  EXPECT_EQ(cutAndCheck(mesh, comb).status, CutStatus::kCut);
+}
+
 TEST(CutMesh, BadInputIsRefusedAndTheMeshIsAsItWas) {
   PolyhedralMesh mesh = blocks();
   const Matrix3Xd positions = mesh.restPositions();
@@ -192,6 +326,33 @@ TEST(CutMesh, BadInputIsRefusedAndTheMeshIsAsItWas) {
   sweep = curvedSweep(2);
   sweep.edge_tool.setZero();
   refused(sweep);
+  sweep = curvedSweep(2);
+  sweep.edge_tool.resize(3, 3);
+  sweep.edge_tool << 0, 0, 0, 0, 0, 0, -1, 1, -1;  // folded back on itself
+  refused(sweep);
+  sweep = curvedSweep(2);
+  sweep.T_world_tool[1].linear() *= 1.1;  // not rigid
+  refused(sweep);
+  sweep = curvedSweep(2);
+  sweep.T_world_tool[1].linear().col(0) *= -1;  // a mirror
+  refused(sweep);
+  sweep = curvedSweep(2);
+  sweep.T_world_tool[1].translation().x() = 2e9;
+  refused(sweep);
+  PolygonCut round;  // simple, but with one corner too many
+  round.corners_world.setZero(3, kMostCorners + 1);
+  for (int i = 0; i <= kMostCorners; ++i) {
+    const double angle = 2 * M_PI * i / (kMostCorners + 1);
+    round.corners_world.col(i).head<2>() << std::cos(angle), std::sin(angle);
+  }
+  refused(round);
+  sweep = curvedSweep(2);
+  sweep.edge_tool = round.corners_world;
+  refused(sweep);
+  refused(plane({1e300, 0, 0}, Vector3d::UnitX()));
+  refused(plane({0, 0, 0}, {1e300, 1e300, 0}));  // its length is not finite
+  polygon.corners_world.setConstant(1e200);
+  refused(polygon);
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polyscalpel/mesh/mesh_editing.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "polyscalpel/mesh/mesh_checks.hpp"
@@ -32,6 +34,7 @@ std::vector<int> snapshot(const PolyhedralMesh& mesh) {
   }
   for (int i = 0; i < mesh.numVertices(); ++i) {
     for (const FaceId f : mesh.facesAround(VertexId(i))) all.push_back(f.index());
+    all.push_back(mesh.isRetired(VertexId(i)));
   }
   return all;
 }
@@ -90,6 +93,58 @@ TEST(MeshEditor, AVertexHungIntoAnEdgeChangesNoVolumeAndCarriesNoVirtualVertex) 
   ASSERT_EQ(face.loop.size(), 5u);
   EXPECT_FALSE(face.is_corner[findInLoop(face, middle)]);
   EXPECT_NEAR((virtualVertex(face, mesh.restPositions()) - Vector3d(1, 0.5, 0.5)).norm(), 0, 1e-15);
+  EXPECT_TRUE(checkMesh(mesh).empty());
+}
+
+/// Two cubes apart, cell 0 and cell 1.
+PolyhedralMesh openedCubes() {
+  PolyhedralMesh mesh = twoCubes();
+  MeshEditor editor(mesh);
+  const Face shared = mesh.face(sharedFace(mesh));
+  editor.openFace(sharedFace(mesh), 1);
+  for (const VertexId v : shared.loop) editor.separateVertex(v);
+  editor.commit();
+  return mesh;
+}
+
+TEST(MeshEditor, APieceTakenOutRetiresItsVerticesAndLeavesTheOtherAsItIs) {
+  PolyhedralMesh mesh = openedCubes();
+  ASSERT_EQ(findPieces(mesh).count, 2);
+  const int num_vertices = mesh.numVertices(), num_faces = mesh.faceCapacity();
+  const Cell kept = mesh.cell(CellId(0)), gone = mesh.cell(CellId(1));
+  MeshEditor editor(mesh);
+  editor.removeCells({CellId(1)});
+  const MeshChange change = editor.commit();
+  EXPECT_TRUE(checkMesh(mesh).empty()) << checkMesh(mesh).front();
+  EXPECT_EQ(mesh.numCells(), 1);
+  EXPECT_EQ(mesh.numVertices(), num_vertices) << "ids are given for life";
+  EXPECT_EQ(mesh.faceCapacity(), num_faces);
+  EXPECT_FALSE(mesh.cell(CellId(1)).isAlive());
+  EXPECT_EQ(mesh.cell(CellId(0)).vertices, kept.vertices);
+  for (int i = 0; i < num_vertices; ++i) {
+    const bool is_gone =
+        std::find(gone.vertices.begin(), gone.vertices.end(), VertexId(i)) != gone.vertices.end();
+    EXPECT_EQ(mesh.isRetired(VertexId(i)), is_gone);
+    EXPECT_EQ(mesh.facesAround(VertexId(i)).empty(), is_gone);
+  }
+  EXPECT_EQ(change.retired_vertices, gone.vertices);
+  EXPECT_EQ(change.removed_cells, std::vector<CellId>{CellId(1)});
+  EXPECT_TRUE(change.new_cells.empty() && change.changed_cells.empty() && change.new_vertices.empty());
+  std::vector<FaceId> faces = gone.faces;
+  std::sort(faces.begin(), faces.end());
+  EXPECT_EQ(change.changed_faces, faces);
+  EXPECT_DOUBLE_EQ(volume(mesh, mesh.restPositions()), 1);
+}
+
+TEST(MeshEditor, ARemovalWithoutACommitIsUndoneToTheBit) {
+  PolyhedralMesh mesh = openedCubes();
+  const auto before = snapshot(mesh);
+  {
+    MeshEditor editor(mesh);
+    editor.removeCells({CellId(0)});
+    EXPECT_NE(snapshot(mesh), before);
+  }
+  EXPECT_EQ(snapshot(mesh), before);
   EXPECT_TRUE(checkMesh(mesh).empty());
 }
 

@@ -54,9 +54,28 @@ TEST(Conversions, CutsAreReadInTheWorldFrame) {
   EXPECT_EQ(sweep.edge_tool.col(1), Eigen::Vector3d(0, 0, 1)) << "the edge is in the blade's own frame";
 }
 
+TEST(Conversions, ARequestMayHoldCutsOfAllKinds) {
+  Cut::Request request;
+  request.sweeps.resize(2);
+  for (CutSweep& sweep : request.sweeps) {
+    sweep.edge = {toPointMsg({0, 0, 0}), toPointMsg({0, 0, 1})};
+    sweep.poses = {toPoseMsg(somePose()), toPoseMsg(Eigen::Isometry3d::Identity())};
+  }
+  request.polygon = {toPointMsg({0, 0, 0}), toPointMsg({0, 1, 0}), toPointMsg({0, 1, 1})};
+  request.polygons.resize(1);
+  request.polygons[0].corners = request.polygon;
+  request.plane_points = {toPointMsg({0, 0, 0})};
+  request.plane_normals = {toVectorMsg({0, 1, 0})};
+  const std::vector<CutOperation> cuts = fromMsg(request, somePose());
+  ASSERT_EQ(cuts.size(), 5u);
+  EXPECT_TRUE(std::holds_alternative<PlaneCut>(cuts[0]));
+  EXPECT_TRUE(std::holds_alternative<PolygonCut>(cuts[1]) && std::holds_alternative<PolygonCut>(cuts[2]));
+  EXPECT_TRUE(std::holds_alternative<SweepCut>(cuts[3]) && std::holds_alternative<SweepCut>(cuts[4]));
+}
+
 TEST(Conversions, RefuseRequestsThatAreNoCut) {
   Cut::Request request;
-  expectRefused([&] { read(request); }, {"0 kinds", "planes", "polygon", "sweep"});
+  expectRefused([&] { read(request); }, {"no cut", "planes", "polygon", "sweep"});
   request.plane_points = {toPointMsg({0, 0, 0})};
   expectRefused([&] { read(request); }, {"plane_normals", "must be 1"});
   request.plane_normals = {toVectorMsg({0, 0, 0})};
@@ -67,8 +86,12 @@ TEST(Conversions, RefuseRequestsThatAreNoCut) {
   request.plane_points = {toPointMsg({0, 0, kNan})};
   expectRefused([&] { read(request); }, {"plane_points[0]", "finite"});
   request.plane_points = {toPointMsg({0, 0, 0})};
-  request.polygon = {toPointMsg({0, 0, 0})};
-  expectRefused([&] { read(request); }, {"2 kinds"});
+  request.polygons.resize(2);
+  request.polygons[0].corners = {toPointMsg({0, 0, 0}), toPointMsg({0, 1, 0}), toPointMsg({0, 1, 1})};
+  expectRefused([&] { read(request); }, {"polygons[1].corners", "3 corners"});
+  request = Cut::Request();
+  request.sweeps.resize(1);
+  expectRefused([&] { read(request); }, {"sweeps[0].edge", "at least 2"});
   request = Cut::Request();
   request.polygon = {toPointMsg({0, 0, 0}), toPointMsg({0, 1, 0})};
   expectRefused([&] { read(request); }, {"polygon", "3 corners"});

@@ -187,6 +187,7 @@ TEST(Parameters, RefusesWhatIsOutOfRange) {
       {"cutting: {snap_tolerance: $}", "1e-6", "0"},
       {"cutting: {hold_back: $}", "2", "2.01"},
       {"cutting: {max_travel: $}", "1", "1.01"},
+      {"cutting: {debris_volume_m3: $}", "0", "-1e-9"},
       {"cutting: {max_travel: $}", "0.01", "0"},
       {"contact: {friction_coefficient: $}", "10", "10.1"},
       {"contact: {margin_m: $}", "1e-4", "0"},

@@ -9,6 +9,7 @@ import unittest
 import rospy
 import rostest
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+from polyscalpel.msg import CutPolygon, CutSweep
 from std_msgs.msg import Header
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -59,6 +60,15 @@ class ServicesTest(unittest.TestCase):
         self.assertEqual(len(event.children), 18)
         self.assertEqual(set(event.child_parents), set(event.parents))
         self.assertEqual(event.new_faces, 18)
+        self.assertEqual((event.cut, event.cuts, event.debris_pieces), (1, 1, 0))
+        self.assertEqual([piece.cells for piece in event.pieces], [18, 18])
+        for piece in event.pieces:
+            self.assertAlmostEqual(piece.volume_m3, 1.35e-5, 17)
+            self.assertAlmostEqual(piece.mass_kg, 1000 * piece.volume_m3, 14)
+        self.assertAlmostEqual(status.shortest_edge_m, 0.005, 12)
+        self.assertAlmostEqual(status.shortest_edge_relative, 0.5, 12)
+        self.assertAlmostEqual(status.smallest_cell_volume_relative, 0.5, 12)
+        self.assertGreater(status.condition_estimate, 1)
 
         self.mesh_now()
         self.assertEqual(namespaces(self.listener.mesh[-1]), {'surface', 'cut_faces', 'wireframe', 'pieces'})
@@ -113,6 +123,44 @@ class ServicesTest(unittest.TestCase):
                                      plane_normals=[Vector3(1, 0, 0), Vector3(2, 0, 0), Vector3(0, -1, 0)])
         self.assertTrue(response.success, response.message)
         self.assertEqual((response.cuts, response.cells, response.pieces), (3, 60, 6))
+        wait_until(lambda: self.listener.cuts, 'the event')
+        event = self.listener.cuts[-1]
+        self.assertEqual((event.cut, event.cuts, event.pieces_before, event.pieces_after), (1, 3, 1, 6))
+
+    def test_a_list_of_all_kinds_is_one_transaction(self):
+        upright = Quaternion(0, 0, 0, 1)
+        across = [Point(-1, 0.015, -1), Point(1, 0.015, -1), Point(1, 0.015, 1), Point(-1, 0.015, 1)]
+        sweep = CutSweep(edge=[Point(0, 0, 0), Point(0, 0.06, 0)],
+                         poses=[Pose(Point(-0.01, -0.01, 0.017), upright), Pose(Point(0.05, -0.01, 0.017), upright)])
+        response = self.services.cut(plane_points=[Point(0.015, 0, 0)], plane_normals=[Vector3(1, 0, 0)],
+                                     polygons=[CutPolygon(corners=across)], sweeps=[sweep])
+        self.assertTrue(response.success, response.message)
+        self.assertEqual((response.cuts, response.pieces), (3, 8))
+        wait_until(lambda: self.listener.cuts, 'the event')
+        event = self.listener.cuts[-1]
+        self.assertEqual((event.cuts, len(event.pieces)), (3, 8))
+        self.assertAlmostEqual(sum(piece.volume_m3 for piece in event.pieces), 2.7e-5, 15)
+
+    def test_debris_is_taken_away_and_told_of(self):
+        response = self.cut_plane((0.002, 0, 0), (1, 1, 1))  # a corner with edges of 2 mm
+        self.assertTrue(response.success, response.message)
+        self.assertEqual((response.debris_pieces, response.pieces, response.cells), (1, 1, 27))
+        self.assertAlmostEqual(response.debris_volume_m3, 0.002 ** 3 / 6, 20)
+        wait_until(lambda: self.listener.status and self.listener.status[-1].cuts == 1 and self.listener.cuts, 'the cut')
+        event, status = self.listener.cuts[-1], self.listener.status[-1]
+        self.assertEqual((event.pieces_after, event.debris_pieces, len(event.debris_cells)), (2, 1, 1))
+        self.assertIn(event.debris_cells[0], event.children)
+        self.assertAlmostEqual(event.debris_mass_kg, 1000 * response.debris_volume_m3, 16)
+        self.assertEqual([piece.cells for piece in event.pieces], [27])
+        self.assertEqual(status.debris_pieces, 1)
+        self.assertEqual(status.debris_volume_m3, response.debris_volume_m3)
+        self.assertLess(status.volume_relative_error, 1e-12)
+        self.assertTrue(self.services.step(10).success)
+        self.assertNotEqual(self.mesh_now(), self.start)
+        self.assertTrue(self.services.reset().success)
+        self.assertEqual(self.mesh_now(), self.start)
+        wait_until(lambda: self.listener.status[-1].step == 0, 'the reset')
+        self.assertEqual(self.listener.status[-1].debris_pieces, 0)
 
     def test_polygon_and_sweep_cut_too(self):
         corners = [Point(0.015, -1, -1), Point(0.015, 1, -1), Point(0.015, 1, 1), Point(0.015, -1, 1)]
@@ -129,7 +177,7 @@ class ServicesTest(unittest.TestCase):
         nan = float('nan')
         upright = Quaternion(0, 0, 0, 1)
         cases = [
-            ('kinds', dict()),
+            ('no cut', dict()),
             ('longer than 0', dict(plane_points=[Point(0, 0, 0)], plane_normals=[Vector3(0, 0, 0)])),
             ('finite', dict(plane_points=[Point(nan, 0, 0)], plane_normals=[Vector3(1, 0, 0)])),
             ('finite', dict(plane_points=[Point(0, 0, 0)], plane_normals=[Vector3(math.inf, 0, 0)])),
@@ -139,7 +187,16 @@ class ServicesTest(unittest.TestCase):
             ('', dict(polygon=[Point(0, 0, 0), Point(1, 0, 0), Point(1, 1, 0.5), Point(0, 1, 0)])),
             ('at least 2', dict(sweep_edge=[Point(0, 0, 0)], sweep_poses=[Pose(Point(0, 0, 0), upright)] * 2)),
             ('unit quaternion', dict(sweep_edge=[Point(0, 0, 0), Point(0, 0, 1)], sweep_poses=[Pose(), Pose()])),
-            ('kinds', dict(polygon=[Point(0, 0, 0)] * 3, sweep_edge=[Point(0, 0, 0)])),
+            ('sweep_edge', dict(polygon=[Point(0, 0, 0)] * 3, sweep_edge=[Point(0, 0, 0)])),
+            ('polygons[0].corners', dict(polygons=[CutPolygon()])),
+            # Nothing of a list is made where one of it is no cut, misses or is too long.
+            ('cut 2 of 2', dict(plane_points=[Point(0.015, 0, 0)], plane_normals=[Vector3(1, 0, 0)],
+                                polygon=[Point(0, 0, 0), Point(1, 1, 0), Point(1, 0, 0), Point(0, 1, 0)])),
+            ('cut 2 of 3', dict(plane_points=[Point(x, 0, 0) for x in (0.015, 1, 0.005)],
+                                plane_normals=[Vector3(1, 0, 0)] * 3)),
+            ('sub-steps', dict(sweep_edge=[Point(0, 0, -1), Point(0, 0, 1)],
+                               sweep_poses=[Pose(Point(-1e6, 0.015, 0), upright), Pose(Point(1, 0.015, 0), upright)])),
+            ('1e9 m', dict(plane_points=[Point(1e10, 0, 0)], plane_normals=[Vector3(1, 0, 0)])),
             ('', dict(plane_points=[Point(1, 0, 0)], plane_normals=[Vector3(1, 0, 0)])),  # misses
         ]
         for words, request in cases:

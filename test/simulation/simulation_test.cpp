@@ -78,7 +78,7 @@ TEST(Simulation, CountsStepsAndTime) {
   EXPECT_EQ(simulation.stepCount(), 7);
   EXPECT_DOUBLE_EQ(simulation.time_s(), 0.07);
   EXPECT_NEAR(simulation.restVolume_m3(), 5e-4, 1e-16);
-  EXPECT_EQ(simulation.addedMass_kg(), 0);
+  EXPECT_EQ(simulation.movedMass_kg(), 0);
   EXPECT_EQ(simulation.numCuts(), 0);
 }
 

@@ -4,6 +4,7 @@
 // shapes, so a crossing is the pair (edge, weight) and neighbours agree on it without any search.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -39,7 +40,9 @@ Eigen::Isometry3d interpolate(const Eigen::Isometry3d& T_start, const Eigen::Iso
 /// through frozen tissue, then the tissue moving past the frozen blade; the signed hits of an edge over both
 /// are summed, so that a blade carried along by the tissue cuts nothing. Sub-steps are no longer than
 /// max_travel * localSize, and are halved, at most 8 times, while an edge is hit an even number of times.
-std::vector<Hit> findHits(const PolyhedralMesh& mesh, const BladeMotion& motion, double max_travel);
+/// Nothing where that takes more than kMostSubSteps.
+std::optional<std::vector<Hit>> findHits(const PolyhedralMesh& mesh, const BladeMotion& motion,
+                                         double max_travel);
 
 /// Whether the blade's edge, in its pose, comes nearer to a cell's bounding box than margin * (smallest
 /// localSize of its vertices).

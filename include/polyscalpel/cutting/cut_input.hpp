@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "polyscalpel/cutting/cut_mesh.hpp"
@@ -11,6 +13,11 @@ namespace polyscalpel {
 void validate(const PlaneCut& plane);
 void validate(const PolygonCut& polygon);
 void validate(const SweepCut& sweep);
+
+/// The same for a list, which must not be empty; of several operations it names the number.
+void validate(const std::vector<CutOperation>& operations);
+
+/// A polyline blade: at least 2 points, each once (the last may be the first, for a ring).
 void validateBladeEdge(const Eigen::Ref<const Eigen::Matrix3Xd>& edge_tool);
 
 }  // namespace polyscalpel

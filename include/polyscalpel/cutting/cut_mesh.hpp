@@ -23,6 +23,9 @@ struct CuttingConfig {
   double max_travel = 0.25;  ///< in [1e-3, 1]: the blade's travel in one sub-step, times h
   double fracture_toughness_j_m2 =
       0;  ///< in [0, 1e5]: energy per new cut area, felt by the tool as resistance
+  /// In [0, inf): a cut's pieces of a smaller rest volume are taken away, but never the largest piece of the
+  /// body; 0: none is. Followed by Simulation, not by cutMesh.
+  double debris_volume_m3 = 0;
 };
 
 /// Throws std::invalid_argument with name, value and range.
@@ -52,13 +55,26 @@ enum class CutStatus {
   kCut,               ///< the mesh has changed
   kMissed,            ///< the blade does not meet the tissue
   kNothingSeparated,  ///< the blade meets the tissue but passes no cell whole; the mesh is as it was
+  kRefused,           ///< the blade's way in one motion is too long (kMostSubSteps); the mesh is as it was
 };
+
+/// Most sub-steps (CuttingConfig::max_travel) of one motion of a blade near tissue: from one pose of a sweep
+/// to the next, or in one step of a tool. A longer motion is refused as a whole.
+constexpr int kMostSubSteps = 1 << 14;
+
+/// Largest coordinate of a plane's point, a corner, a blade or a pose [m]: beyond it lengths lose the digits
+/// that tell one vertex from another.
+constexpr double kLargestCoordinate_m = 1e9;
+
+/// Most corners of a polygon and points of a blade: whether they cross or repeat is looked for in pairs.
+constexpr int kMostCorners = 10000;
 
 /// What a cut did. The mesh is as it was unless status is kCut.
 struct CutResult {
   CutStatus status = CutStatus::kMissed;
   std::string message;  ///< one sentence for a user
-  int cut = 0;          ///< the number that new faces carry in Face::cut
+  int cut = 0;          ///< the number that new faces carry in Face::cut; of a list, that of its first cut
+  int num_cuts = 1;     ///< cuts made: a list's faces are numbered from `cut` on, in its order
   MeshChange change;
   int cells_split = 0;       ///< number of splits
   int cells_left_whole = 0;  ///< cells that the blade passed but no fallback could split soundly
@@ -69,10 +85,18 @@ struct CutResult {
 
 /// Cuts at once, through the body as it lies in `positions` (3 x n, one column per vertex [m]). cut: number
 /// for the new faces, >= 1. All or nothing. Throws std::invalid_argument for input that is no cut: not
-/// finite, zero normal, fewer than 3 corners, corners not in one plane (1e-3 of their extent), a repeated or
-/// self-crossing outline, a blade without length, fewer than two poses.
+/// finite or above kLargestCoordinate_m, zero normal, fewer than 3 corners or more than kMostCorners, corners
+/// not in one plane (1e-3 of their extent), a repeated or self-crossing outline, a blade without length or
+/// with a repeated point, fewer than two poses, a pose that is no rigid motion.
 CutResult cutMesh(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
                   const CutOperation& operation, const CuttingConfig& config, int cut);
+
+/// Several cuts as one transaction, each through what the ones before it left: all of them are made, numbered
+/// cut, cut + 1 ..., or the mesh is as it was. All are looked at before the first is made; one that is no cut
+/// throws, as does an empty list, and one that changes nothing ends the transaction with its status and says
+/// which it was.
+CutResult cutMesh(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+                  const std::vector<CutOperation>& operations, const CuttingConfig& config, int cut);
 
 /// One blade moving through moving tissue: remembers crossed edges and splits each cell once the blade has
 /// left it.
@@ -86,7 +110,8 @@ class BladeCut {
   BladeCut& operator=(BladeCut&&) noexcept;
 
   /// Moves tissue and blade from their start to their end and splits what the blade has passed and left.
-  /// Positions are 3 x numVertices(); the mesh may have got new vertices between two calls (see update()).
+  /// Positions are 3 x numVertices(); the mesh may have got new vertices between two calls (see update()). A
+  /// motion that is too long is refused and ends the stroke.
   CutResult advance(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions_start,
                     const Eigen::Ref<const Eigen::Matrix3Xd>& positions_end,
                     const Eigen::Isometry3d& T_world_tool_start, const Eigen::Isometry3d& T_world_tool_end,

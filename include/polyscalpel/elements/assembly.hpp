@@ -35,8 +35,10 @@ struct CellKinds {
 class Assembly {
  public:
   /// Matrices of every cell of the mesh. mass_floor: lowest mass of a vertex that a later cut makes or
-  /// touches, as a part of the median vertex mass of this mesh. Throws std::invalid_argument for bad material
-  /// or element config.
+  /// touches, as a part of the median vertex mass of this mesh; what such a vertex lacks is taken from the
+  /// touched vertices that share a cell with it, so that no piece gains or loses mass. Where these have less
+  /// than the floor on average, each gets no less than that average. A consistent mass has no floor. Throws
+  /// std::invalid_argument for bad material or element config.
   Assembly(const PolyhedralMesh& mesh, const CellKinds& kinds, double mass_floor);
   /// One kind.
   Assembly(const PolyhedralMesh& mesh, const IsotropicMaterial& material, const ElementConfig& config,
@@ -71,16 +73,23 @@ class Assembly {
   /// set.
   void internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, Eigen::Matrix3Xd& forces);
 
+  /// Whether M has entries off its diagonal.
+  bool hasConsistentMass() const { return kinds_.front().element.consistent_mass; }
+
   /// M v. values, result: 3 x n; result is resized and set.
   void multiplyMass(const Eigen::Ref<const Eigen::Matrix3Xd>& values, Eigen::Matrix3Xd& result) const;
 
   /// E(x) summed over the cells [J].
   double elasticEnergy(const Eigen::Ref<const Eigen::Matrix3Xd>& positions) const;
 
-  /// Mass of each vertex, the row sums of M [kg], mass floor included.
+  /// E(x) of some cells that are alive [J].
+  double elasticEnergy(const std::vector<CellId>& cells,
+                       const Eigen::Ref<const Eigen::Matrix3Xd>& positions) const;
+
+  /// Mass of each vertex, the row sums of M, mass floor included [kg]; 0 for a vertex without cells.
   const Eigen::VectorXd& vertexMasses() const { return vertex_masses_; }
-  /// Part of the mass that only the mass floor put there [kg].
-  double addedMass_kg() const { return added_mass_; }
+  /// Mass that the mass floor has moved between the vertices of a piece [kg].
+  double movedMass_kg() const { return moved_mass_; }
 
   const StrainMeasure& strainMeasure() const { return *measure_; }
   /// Kind of a cell that is alive.
@@ -106,6 +115,7 @@ class Assembly {
   void pack(const PolyhedralMesh& mesh);
   void makePattern();
   void makeMasses();
+  void applyMassFloor();
   void assembleStiffness(double scale, Blocks& matrix) const;
   CellView view(const PackedCell& cell) const;
   Eigen::Ref<const Eigen::Matrix3Xd> gather(const PackedCell& cell,
@@ -131,7 +141,7 @@ class Assembly {
   BlockPattern pattern_;
   Eigen::VectorXd vertex_masses_;
   std::vector<double> block_masses_;  // by block [kg]: entry m_ij of M
-  double added_mass_ = 0;
+  double moved_mass_ = 0;
 
   std::vector<CellLinearisation> linearisations_;  // by packed cell
   int largest_cell_ = 0;                           // most vertices of a cell

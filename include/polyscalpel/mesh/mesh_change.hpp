@@ -30,8 +30,10 @@ struct NewCell {
 /// What one committed edit did: the hinge from which everything downstream of the mesh refreshes itself.
 struct MeshChange {
   std::vector<NewVertex> new_vertices;  ///< ascending ids, following on the mesh's former number of vertices
-  std::vector<CellId> removed_cells;    ///< alive before the edit, gone after it, ascending
-  std::vector<NewCell> new_cells;       ///< alive after the edit, not before, ascending
+  /// Vertices that no cell has any more, ascending (see PolyhedralMesh::isRetired).
+  std::vector<VertexId> retired_vertices;
+  std::vector<CellId> removed_cells;  ///< alive before the edit, gone after it, ascending
+  std::vector<NewCell> new_cells;     ///< alive after the edit, not before, ascending
   /// Cells that kept their id while vertices or faces of theirs changed, ascending; their matrices are to be
   /// made anew.
   std::vector<CellId> changed_cells;

@@ -15,9 +15,9 @@ constexpr double kSmallestRelativeSubTet = 1e-8;
 /// Checks every invariant of the mesh; an empty result means valid. One line a violation, with the ids: every
 /// cell closed (each directed edge of its faces met once by its reverse) and consistently oriented; every
 /// face alive has one or two cells that list it; no vertex twice in a loop; incidence lists agree with the
-/// loops; every vertex used; at every vertex the cells are joined through faces (pieces do not hang together
-/// by a vertex or an edge); every sub-tet above kSmallestRelativeSubTet * h^3, h the smallest localSize of
-/// the cell's vertices.
+/// loops; every vertex used, but those that have retired, which nothing uses; at every vertex the cells are
+/// joined through faces (pieces do not hang together by a vertex or an edge); every sub-tet above
+/// kSmallestRelativeSubTet * h^3, h the smallest localSize of the cell's vertices.
 std::vector<std::string> checkMesh(const PolyhedralMesh& mesh);
 
 }  // namespace polyscalpel

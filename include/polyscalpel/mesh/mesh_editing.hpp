@@ -52,6 +52,10 @@ class MeshEditor {
   /// with the smallest cell id a copy of the vertex.
   void separateVertex(VertexId vertex);
 
+  /// Takes whole pieces out of the mesh: every cell that shares a face with one of these is among them. Their
+  /// faces go with them, and the vertices that nothing uses then retire.
+  void removeCells(const std::vector<CellId>& cells);
+
   /// What the edits after a savepoint did, as seen from there.
   MeshChange changeSince(std::size_t savepoint) const;
 
@@ -72,7 +76,10 @@ class MeshEditor {
     std::vector<FaceId> faces;
   };
   struct AddedVertex {};
-  using Undo = std::variant<OldFace, OldCell, OldVertexFaces, AddedVertex>;
+  struct RetiredVertex {
+    VertexId id;
+  };
+  using Undo = std::variant<OldFace, OldCell, OldVertexFaces, AddedVertex, RetiredVertex>;
 
   Face& touchFace(FaceId id);
   Cell& touchCell(CellId id);

@@ -50,7 +50,7 @@ class PolyhedralMesh {
   PolyhedralMesh(const Eigen::Ref<const Eigen::Matrix3Xd>& points, const std::vector<CellLoops>& cells,
                  const std::vector<int>& regions = {});
 
-  /// Number of vertices; every id below it is in use.
+  /// Number of vertices, retired ones included.
   int numVertices() const { return static_cast<int>(rest_positions_.size()); }
   /// Number of cells that are alive.
   int numCells() const { return num_cells_; }
@@ -74,6 +74,10 @@ class PolyhedralMesh {
   /// The smallest localSize of the cell's vertices [m].
   double localSize(CellId id) const;
 
+  /// Whether every cell of the vertex has been taken out of the mesh (MeshEditor::removeCells). Its id is not
+  /// given again and its position stays, but no face has it: it is without mass, is not moved and not shown.
+  bool isRetired(VertexId id) const { return is_retired_[id.index()] != 0; }
+
   /// Faces that have the vertex in their loop, in no particular but reproducible order.
   const std::vector<FaceId>& facesAround(VertexId id) const { return vertex_faces_[id.index()]; }
 
@@ -92,6 +96,7 @@ class PolyhedralMesh {
   std::vector<Eigen::Vector3d> rest_positions_;
   std::vector<double> local_sizes_;
   std::vector<std::vector<FaceId>> vertex_faces_;
+  std::vector<char> is_retired_;
   std::vector<Face> faces_;
   std::vector<Cell> cells_;
   int num_cells_ = 0;

@@ -39,9 +39,10 @@ enum class PoseCheck {
 };
 PoseCheck checkPose(const geometry_msgs::Pose& pose);
 
-/// The cuts that a request asks for, in the frame T_world_frame of the request; all of one kind, at least
-/// one. Throws std::invalid_argument, naming field and value, when it asks for nothing, for several kinds, or
-/// holds planes with as many points as normals, a normal that is zero, or anything that is not finite.
+/// The cuts that a request asks for, given in the frame T_world_frame: planes, polygons, sweeps, in this
+/// order, at least one. Throws std::invalid_argument, naming field and value, when it asks for nothing, has
+/// not as many points as normals of planes, a normal that is zero, too few corners, points or poses, or
+/// anything that is not finite.
 std::vector<CutOperation> fromMsg(const Cut::Request& request, const Eigen::Isometry3d& T_world_frame);
 
 /// Without header and time. names: of the tools.

@@ -5,14 +5,25 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 #include <ros/time.h>
 
 #include "polyscalpel/cutting/cut_mesh.hpp"
+#include "polyscalpel/simulation/cut_balance.hpp"
+#include "polyscalpel/simulation/piece_table.hpp"
 
 namespace polyscalpel {
+
+/// What the simulation's CutEvent holds.
+struct CutReport {
+  const CutResult& result;
+  const CutBalance& balance;
+  const Debris& debris;
+  const std::vector<PieceProperties>& pieces;
+};
 
 /// Publishes changes of topology on `cut_events`.
 class CutEventPublisher {
@@ -24,7 +35,7 @@ class CutEventPublisher {
   void noteFaces(const PolyhedralMesh& mesh) { faces_before_ = mesh.faceCapacity(); }
 
   /// mesh: after the cut. source: name of the tool, or "service". time_s: simulated time.
-  void publish(const CutResult& result, const PolyhedralMesh& mesh, const std::string& source,
+  void publish(const CutReport& report, const PolyhedralMesh& mesh, const std::string& source,
                const ros::Time& stamp, double time_s) const;
 
  private:

@@ -67,7 +67,8 @@ class SimulationNode {
   void restartPace();
   void noticeClockSetBack(const ros::Time& now);
 
-  void makeCut(const CutOperation& operation, Cut::Response& response);
+  void makeCuts(const std::vector<CutOperation>& operations, Cut::Response& response);
+  void publishCut(const CutEvent& event, const ros::Time& stamp);
   void publishMesh();
   void publishStatus();
   void publishTools(const StepReport& report, const ToolPoses& T_world_tool);

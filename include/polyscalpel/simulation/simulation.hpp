@@ -13,6 +13,9 @@
 #include "polyscalpel/cutting/cut_mesh.hpp"
 #include "polyscalpel/elements/stress_recovery.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
+#include "polyscalpel/simulation/cut_balance.hpp"
+#include "polyscalpel/simulation/mesh_quality.hpp"
+#include "polyscalpel/simulation/piece_table.hpp"
 #include "polyscalpel/simulation/simulation_config.hpp"
 
 namespace polyscalpel {
@@ -51,12 +54,16 @@ struct ToolReport {
   bool enabled = false;  ///< had a pose
   bool reseated = false;  ///< jumped further than max_jump_m, or had no pose before
   int pending_crossings = 0;
+  std::string refusal;  ///< why its motion was not cut (CutStatus::kRefused); empty otherwise
 };
 
 /// A change of topology, for the cut_events topic.
 struct CutEvent {
-  int tool = -1;  ///< -1: the cut service
-  CutResult result;
+  int tool = -1;     ///< -1: the cut service
+  CutResult result;  ///< of the cut alone; pieces_after counts the debris too
+  CutBalance balance;
+  Debris debris;
+  std::vector<PieceProperties> pieces;  ///< after the cut and without the debris
 };
 
 struct StepReport {
@@ -75,7 +82,8 @@ struct StepReport {
 /// A soft body, tools and their motion. Single-threaded: one thread may call it at a time.
 class Simulation {
  public:
-  /// Reads or makes the mesh, builds what the scene asks for. Throws std::invalid_argument.
+  /// Reads or makes the mesh, builds what the scene asks for. Throws std::invalid_argument, also for a mesh
+  /// that fails checkMesh.
   explicit Simulation(const SimulationConfig& config);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
@@ -90,6 +98,10 @@ class Simulation {
   /// without cutting.
   CutResult cut(const CutOperation& operation);
 
+  /// Several cuts as one transaction (see cutMesh), and all that came of it. The body is as it was unless the
+  /// result's status is kCut. Throws as cut() does.
+  CutEvent cutAll(const std::vector<CutOperation>& operations);
+
   /// Back to the rest mesh, uncut, at time 0, bit for bit.
   void reset();
 
@@ -100,6 +112,8 @@ class Simulation {
   /// 3 x n [m/s].
   const Eigen::Matrix3Xd& velocities() const;
   const Pieces& pieces() const;
+  /// One entry a piece, by its number in pieces(). Valid until the next step, cut or reset.
+  const std::vector<PieceProperties>& pieceTable() const;
   const std::vector<bool>& fixedVertices() const;
   /// Shape of a tool, or nullptr when it has none or the scene has no contact.
   const ToolShape* toolShape(int tool) const;
@@ -109,8 +123,16 @@ class Simulation {
   double restVolume_m3() const;  ///< of the mesh before any cut
   /// Strokes of blades that have split something, and cuts by cut(), since the start or the last reset.
   int numCuts() const;
-  int cellsLeftWhole() const;    ///< summed over these cuts
-  double addedMass_kg() const;   ///< by the mass floor
+  int cellsLeftWhole() const;  ///< summed over these cuts
+  /// What was taken away as debris since the start or the last reset, without the changes.
+  const Debris& debris() const;
+  /// How thin the cells have become; nothing in a scene without cutting.
+  std::optional<MeshQuality> quality() const;
+  /// Estimate of the condition number of a step's matrix in the norm of the mass, from the stiffest vertex:
+  /// 1 + h (h + b) / (1 + h a) * MeshQuality::largest_stiffness_over_mass_1_s2, h the time step, a and b
+  /// Rayleigh's. Nothing in a scene without cutting, or in a static one, whose matrix holds no mass.
+  std::optional<double> conditionEstimate() const;
+  double movedMass_kg() const;   ///< between vertices of a piece, by the mass floor
   double totalEnergy_j() const;  ///< kinetic + elastic + gravity
   /// Stress as last computed, on the mesh as it was then; nullptr before that, after a cut until the next
   /// time, and in a scene without StressConfig. Valid until the next step, cut or reset.

@@ -89,7 +89,9 @@ struct IntegrationConfig {
   int contact_iterations = 3;  ///< in [1, 20]: solves a step, at most, to let go of contacts that would pull
   double equilibrium_tolerance = 1e-6;  ///< in [1e-12, 0.1]: static modes; residual over the applied forces
   int equilibrium_iterations = 50;      ///< in [1, 1000]: static modes; Newton steps at most
-  double mass_floor = 0.02;             ///< in [0, 1]: lowest vertex mass as a part of the median rest mass
+  /// In [0, 1]: lowest mass of a vertex that a cut makes or touches, as a part of the median rest mass; taken
+  /// from its neighbours (see Assembly).
+  double mass_floor = 0.02;
 };
 
 struct ToolConfig {

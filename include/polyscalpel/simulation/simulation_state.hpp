@@ -15,14 +15,16 @@ namespace polyscalpel {
 struct SimulationState {
   Eigen::Matrix3Xd positions;   ///< 3 x n [m], world frame
   Eigen::Matrix3Xd velocities;  ///< 3 x n [m/s]
-  std::vector<bool> fixed;      ///< held where it is; its velocity is zero
+  /// Held where it is; its velocity is zero. So are retired vertices, which nothing could move.
+  std::vector<bool> fixed;
 };
 
 /// At rest in the rest shape. Throws std::invalid_argument for a region that holds no vertex, or an id out of
 /// range.
 SimulationState makeRestState(const PolyhedralMesh& mesh, const std::vector<FixedRegion>& fixed);
 
-/// Follows a change of the mesh. A new vertex is fixed if both its parents are.
+/// Follows a change of the mesh. A new vertex is fixed if both its parents are; a vertex that retires stays
+/// where it was last.
 void applyMeshChange(SimulationState& state, const MeshChange& change);
 
 }  // namespace polyscalpel
