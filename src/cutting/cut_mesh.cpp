@@ -32,11 +32,21 @@ std::string plural(int count, const std::string& noun) {
 /// Rounds of remembering and splitting in one transaction on the mesh.
 class CutTransaction {
  public:
-  CutTransaction(PolyhedralMesh& mesh, Crossings& crossings, const CuttingConfig& config, int cut)
-      : mesh_(mesh), editor_(mesh), crossings_(crossings), config_(config) {
+  CutTransaction(PolyhedralMesh& mesh, MeshIndex& index, Crossings& crossings, const CuttingConfig& config,
+                 int cut)
+      : mesh_(mesh), index_(index), editor_(mesh), crossings_(crossings), config_(config) {
     POLYSCALPEL_ASSERT(cut >= 1);
     result_.cut = cut;
+    result_.pieces_before = index.pieces.count();
   }
+  ~CutTransaction() {
+    // The mesh goes back to what it was; the tree has followed it on the way there only.
+    if (!is_finished_) index_.tree.clear();
+  }
+  CutTransaction(const CutTransaction&) = delete;
+  CutTransaction& operator=(const CutTransaction&) = delete;
+
+  const CellTree& tree() const { return index_.tree; }
 
   void remember(const std::vector<Hit>& hits) {
     for (const Hit& hit : hits) crossings_.add(mesh_, hit, config_.snap_tolerance);
@@ -51,16 +61,21 @@ class CutTransaction {
     result_.cut_area_m2 += counts.cap_area_m2;
     left_whole_.insert(counts.left_whole.begin(), counts.left_whole.end());
     MeshChange change = editor_.changeSince(savepoint);
-    if (!change.isEmpty()) crossings_.update(mesh_, change);
+    if (change.isEmpty()) return change;
+    crossings_.update(mesh_, change);
+    index_.tree.update(mesh_, change);
     return change;
   }
 
   /// Cells that could not be split, of all rounds.
   const std::set<CellId>& leftWhole() const { return left_whole_; }
 
-  /// Commits. The numbers of pieces are left to the caller.
+  /// Commits.
   CutResult finish(bool count_left_whole) {
     result_.change = editor_.commit();
+    is_finished_ = true;
+    index_.pieces.update(mesh_, result_.change);
+    result_.pieces_after = index_.pieces.count();
     result_.status = !result_.change.isEmpty() ? CutStatus::kCut
                      : has_met_                ? CutStatus::kNothingSeparated
                                                : CutStatus::kMissed;
@@ -69,35 +84,40 @@ class CutTransaction {
       result_.cells_left_whole = static_cast<int>(std::count_if(
           left_whole_.begin(), left_whole_.end(), [&](CellId id) { return mesh_.cell(id).isAlive(); }));
     }
+    describe();
     return std::move(result_);
   }
 
  private:
+  void describe();
+
   PolyhedralMesh& mesh_;
+  MeshIndex& index_;
   MeshEditor editor_;
   Crossings& crossings_;
   const CuttingConfig& config_;
   CutResult result_;
   std::set<CellId> left_whole_;
   bool has_met_ = false;
+  bool is_finished_ = false;
 };
 
-void describe(CutResult& result) {
-  switch (result.status) {
+void CutTransaction::describe() {
+  switch (result_.status) {
     case CutStatus::kMissed:
-      result.message = "the blade does not meet the tissue";
+      result_.message = "the blade does not meet the tissue";
       break;
     case CutStatus::kNothingSeparated:
-      result.message = "the blade passes no cell whole";
+      result_.message = "the blade passes no cell whole";
       break;
     case CutStatus::kCut:
-      result.message = plural(result.cells_split, "cell") + " split, " +
-                       plural(result.pieces_before, "piece") + " before and " +
-                       std::to_string(result.pieces_after) + " after";
+      result_.message = plural(result_.cells_split, "cell") + " split, " +
+                        plural(result_.pieces_before, "piece") + " before and " +
+                        std::to_string(result_.pieces_after) + " after";
       break;
   }
-  if (result.cells_left_whole > 0)
-    result.message += ", " + plural(result.cells_left_whole, "cell") + " left whole";
+  if (result_.cells_left_whole > 0)
+    result_.message += ", " + plural(result_.cells_left_whole, "cell") + " left whole";
 }
 
 }  // namespace
@@ -106,24 +126,21 @@ struct BladeCut::Impl {
   Matrix3Xd edge_tool;
   CuttingConfig config;
   Crossings crossings;
-  std::set<CellId> refused;   // could not be split; tried once more when the stroke ends
-  std::optional<int> pieces;  // of the mesh as it was last seen
+  std::set<CellId> refused;            // could not be split; tried once more when the stroke ends
+  std::optional<MeshIndex> own_index;  // where the caller keeps none: the pieces alone, without a tree
 
   void forget() {
     crossings.clear();
     refused.clear();
   }
 
-  void complete(const PolyhedralMesh& mesh, int pieces_before, CutResult& result) {
-    result.pieces_before = pieces_before;
-    if (result.status == CutStatus::kCut) pieces = findPieces(mesh).count;
-    result.pieces_after = *pieces;
-    describe(result);
-  }
-
-  int countPieces(const PolyhedralMesh& mesh) {
-    if (!pieces) pieces = findPieces(mesh).count;
-    return *pieces;
+  MeshIndex& indexOf(const PolyhedralMesh& mesh, MeshIndex* given) {
+    if (given) {
+      own_index.reset();  // it would not see this change
+      return *given;
+    }
+    if (!own_index) own_index.emplace(mesh);
+    return *own_index;
   }
 
   /// Splits whatever the blade has passed, wherever it is.
@@ -135,11 +152,11 @@ struct BladeCut::Impl {
   /// One motion within a transaction. Returns what it changed; sets has_left where it ended the stroke.
   MeshChange move(CutTransaction& transaction, const PolyhedralMesh& mesh, const BladeMotion& motion,
                   bool& has_left) {
-    transaction.remember(findHits(mesh, motion, config.max_travel));
+    transaction.remember(findHits(mesh, transaction.tree(), motion, config.max_travel));
     has_left = false;
     if (crossings.isEmpty()) return {};
     const Matrix3Xd blade_world = motion.T_world_tool_end * edge_tool;
-    if (!isBladeInTissue(mesh, motion.positions_end, blade_world, config.hold_back)) {
+    if (!isBladeInTissue(mesh, transaction.tree(), motion.positions_end, blade_world, config.hold_back)) {
       has_left = true;
       return splitAll(transaction);
     }
@@ -171,26 +188,22 @@ BladeCut& BladeCut::operator=(BladeCut&&) noexcept = default;
 
 CutResult BladeCut::advance(PolyhedralMesh& mesh, const Positions& positions_start,
                             const Positions& positions_end, const Isometry3d& T_world_tool_start,
-                            const Isometry3d& T_world_tool_end, int cut) {
-  const int pieces_before = impl_->countPieces(mesh);
-  CutTransaction transaction(mesh, impl_->crossings, impl_->config, cut);
+                            const Isometry3d& T_world_tool_end, int cut, MeshIndex* index) {
+  CutTransaction transaction(mesh, impl_->indexOf(mesh, index), impl_->crossings, impl_->config, cut);
   bool has_left = false;
   impl_->move(transaction, mesh,
               {impl_->edge_tool, T_world_tool_start, T_world_tool_end, positions_start, positions_end},
               has_left);
   CutResult result = transaction.finish(has_left);
   if (has_left) impl_->forget();
-  impl_->complete(mesh, pieces_before, result);
   return result;
 }
 
-CutResult BladeCut::finish(PolyhedralMesh& mesh, const Positions&, int cut) {
-  const int pieces_before = impl_->countPieces(mesh);
-  CutTransaction transaction(mesh, impl_->crossings, impl_->config, cut);
+CutResult BladeCut::finish(PolyhedralMesh& mesh, const Positions&, int cut, MeshIndex* index) {
+  CutTransaction transaction(mesh, impl_->indexOf(mesh, index), impl_->crossings, impl_->config, cut);
   impl_->splitAll(transaction);
   CutResult result = transaction.finish(true);
   impl_->forget();
-  impl_->complete(mesh, pieces_before, result);
   return result;
 }
 
@@ -200,7 +213,7 @@ void BladeCut::forget() {
 
 void BladeCut::update(const PolyhedralMesh& mesh, const MeshChange& change) {
   impl_->crossings.update(mesh, change);
-  impl_->pieces.reset();
+  if (impl_->own_index) impl_->own_index->update(mesh, change);
 }
 
 int BladeCut::numPending() const {
@@ -211,17 +224,20 @@ bool BladeCut::isCutting() const {
 }
 
 CutResult cutMesh(PolyhedralMesh& mesh, const Positions& positions, const CutOperation& operation,
-                  const CuttingConfig& config, int cut) {
+                  const CuttingConfig& config, int cut, MeshIndex* given_index) {
   validate(config);
   std::visit([](const auto& value) { validate(value); }, operation);
-  const int pieces_before = findPieces(mesh).count;
+  std::optional<MeshIndex> own_index;
+  if (!given_index) own_index.emplace(mesh);
+  MeshIndex& index = given_index ? *given_index : *own_index;
 
-  CutResult result;
   if (const auto* sweep = std::get_if<SweepCut>(&operation)) {
+    // Many searches: a tree pays.
+    if (index.tree.isEmpty()) index.tree.fit(mesh, positions);
     BladeCut::Impl stroke;
     stroke.edge_tool = sweep->edge_tool;
     stroke.config = config;
-    CutTransaction transaction(mesh, stroke.crossings, config, cut);
+    CutTransaction transaction(mesh, index, stroke.crossings, config, cut);
     Matrix3Xd moved = positions;
     bool has_left = true;
     for (std::size_t i = 0; i + 1 < sweep->T_world_tool.size(); ++i) {
@@ -229,26 +245,21 @@ CutResult cutMesh(PolyhedralMesh& mesh, const Positions& positions, const CutOpe
       const MeshChange change = stroke.move(
           transaction, mesh,
           {stroke.edge_tool, sweep->T_world_tool[i], sweep->T_world_tool[i + 1], still, still}, has_left);
-      extendByNewVertices(change.new_vertices, moved);
+      if (!change.new_vertices.empty()) extendByNewVertices(change.new_vertices, moved);
       if (has_left) stroke.forget();
     }
     if (!has_left) stroke.splitAll(transaction);
-    result = transaction.finish(true);
-  } else {
-    Crossings crossings;
-    CutTransaction transaction(mesh, crossings, config, cut);
-    if (const auto* plane = std::get_if<PlaneCut>(&operation)) {
-      transaction.remember(findHits(mesh, positions, *plane));
-    } else {
-      transaction.remember(findHits(mesh, positions, std::get<PolygonCut>(operation)));
-    }
-    transaction.split(isAlwaysReady);
-    result = transaction.finish(true);
+    return transaction.finish(true);
   }
-  result.pieces_before = pieces_before;
-  result.pieces_after = result.status == CutStatus::kCut ? findPieces(mesh).count : pieces_before;
-  describe(result);
-  return result;
+  Crossings crossings;
+  CutTransaction transaction(mesh, index, crossings, config, cut);
+  if (const auto* plane = std::get_if<PlaneCut>(&operation)) {
+    transaction.remember(findHits(mesh, index.tree, positions, *plane));
+  } else {
+    transaction.remember(findHits(mesh, index.tree, positions, std::get<PolygonCut>(operation)));
+  }
+  transaction.split(isAlwaysReady);
+  return transaction.finish(true);
 }
 
 }  // namespace polyscalpel

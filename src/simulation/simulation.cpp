@@ -9,8 +9,10 @@
 #include "polyscalpel/collision/contact_detection.hpp"
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/core/stage_timer.hpp"
+#include "polyscalpel/cutting/blade_sweep.hpp"
 #include "polyscalpel/elements/assembly.hpp"
 #include "polyscalpel/mesh/mesh_generation.hpp"
+#include "polyscalpel/mesh/mesh_index.hpp"
 #include "polyscalpel/mesh/surface.hpp"
 #include "polyscalpel/simulation/equilibrium.hpp"
 #include "polyscalpel/simulation/regions.hpp"
@@ -122,7 +124,7 @@ struct Simulation::Impl {
   std::optional<Assembly> assembly;
   std::optional<ImplicitEuler> integrator;  // dynamic scenes
   std::optional<TissueSurface> surface;     // scenes with contact
-  Pieces pieces;
+  MeshIndex index;
   std::int64_t step_count = 0;
   int num_cuts = 0;
   int cells_left_whole = 0;
@@ -164,7 +166,7 @@ struct Simulation::Impl {
     mesh = pristine_mesh;
     state = pristine_state;
     assembly = pristine_assembly;
-    pieces = findPieces(mesh);
+    index = MeshIndex(mesh);
     step_count = 0;
     num_cuts = 0;
     cells_left_whole = 0;
@@ -260,7 +262,6 @@ void Simulation::Impl::followCut(int tool, const CutResult& result) {
   for (std::size_t i = 0; i < tools.size(); ++i) {
     if (static_cast<int>(i) != tool && tools[i].blade) tools[i].blade->update(mesh, result.change);
   }
-  pieces = findPieces(mesh);
   num_cuts = std::max(num_cuts, result.cut);
   cells_left_whole += result.cells_left_whole;
   static_solution_stands = false;
@@ -310,10 +311,12 @@ void Simulation::Impl::moveBlades(const ToolPoses& T_end, Eigen::Matrix3Xd& posi
     {
       const StageTimer timer(report.times.cutting_s);
       if (sweeps) {
-        result =
-            blade.advance(mesh, positions_start, state.positions, *tools[i].T_world_tool, *T_end[i], cut);
+        index.tree.fit(mesh, positions_start, state.positions,
+                       reachOf(*config.tools[i].blade_edge_tool, *tools[i].T_world_tool, *T_end[i]));
+        result = blade.advance(mesh, positions_start, state.positions, *tools[i].T_world_tool, *T_end[i], cut,
+                               &index);
       } else if (tools[i].T_world_tool) {
-        result = blade.finish(mesh, state.positions, cut);  // it has gone, or was taken elsewhere
+        result = blade.finish(mesh, state.positions, cut, &index);  // it has gone, or was taken elsewhere
       }
       report.tools[i].pending_crossings = blade.numPending();
     }
@@ -430,7 +433,9 @@ StepReport Simulation::step(const std::vector<std::optional<Eigen::Isometry3d>>&
 CutResult Simulation::cut(const CutOperation& operation) {
   Impl& s = *impl_;
   if (!s.config.cutting) throw std::invalid_argument("cut: the scene is built without cutting");
-  CutResult result = cutMesh(s.mesh, s.state.positions, operation, *s.config.cutting, s.num_cuts + 1);
+  s.index.tree.fit(s.mesh, s.state.positions);
+  CutResult result =
+      cutMesh(s.mesh, s.state.positions, operation, *s.config.cutting, s.num_cuts + 1, &s.index);
   if (result.status == CutStatus::kCut) s.followCut(-1, result);
   return result;
 }
@@ -452,7 +457,7 @@ const Eigen::Matrix3Xd& Simulation::velocities() const {
   return impl_->state.velocities;
 }
 const Pieces& Simulation::pieces() const {
-  return impl_->pieces;
+  return impl_->index.pieces.pieces();
 }
 const std::vector<bool>& Simulation::fixedVertices() const {
   return impl_->state.fixed;

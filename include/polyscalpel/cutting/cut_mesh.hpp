@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "polyscalpel/mesh/mesh_change.hpp"
+#include "polyscalpel/mesh/mesh_index.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
 
 namespace polyscalpel {
@@ -71,8 +72,12 @@ struct CutResult {
 /// for the new faces, >= 1. All or nothing. Throws std::invalid_argument for input that is no cut: not
 /// finite, zero normal, fewer than 3 corners, corners not in one plane (1e-3 of their extent), a repeated or
 /// self-crossing outline, a blade without length, fewer than two poses.
+///
+/// index: of the mesh, its tree fitted to the positions or empty; it follows the cut. Without one the cut
+/// looks at every cell.
 CutResult cutMesh(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
-                  const CutOperation& operation, const CuttingConfig& config, int cut);
+                  const CutOperation& operation, const CuttingConfig& config, int cut,
+                  MeshIndex* index = nullptr);
 
 /// One blade moving through moving tissue: remembers crossed edges and splits each cell once the blade has
 /// left it.
@@ -87,14 +92,16 @@ class BladeCut {
 
   /// Moves tissue and blade from their start to their end and splits what the blade has passed and left.
   /// Positions are 3 x numVertices(); the mesh may have got new vertices between two calls (see update()).
+  /// index: as in cutMesh(), its tree fitted to both positions.
   CutResult advance(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions_start,
                     const Eigen::Ref<const Eigen::Matrix3Xd>& positions_end,
                     const Eigen::Isometry3d& T_world_tool_start, const Eigen::Isometry3d& T_world_tool_end,
-                    int cut);
+                    int cut, MeshIndex* index = nullptr);
 
   /// Ends the stroke: splits every cell that is passed, whether or not the blade has left it, and forgets the
   /// rest.
-  CutResult finish(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions, int cut);
+  CutResult finish(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions, int cut,
+                   MeshIndex* index = nullptr);
 
   /// Forgets everything remembered, without cutting.
   void forget();

@@ -99,6 +99,7 @@ class Simulation {
   const Eigen::Matrix3Xd& positions() const;
   /// 3 x n [m/s].
   const Eigen::Matrix3Xd& velocities() const;
+  /// Numbered as PieceTracker says: a piece that is not divided keeps its number.
   const Pieces& pieces() const;
   const std::vector<bool>& fixedVertices() const;
   /// Shape of a tool, or nullptr when it has none or the scene has no contact.
