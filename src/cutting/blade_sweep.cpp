@@ -70,21 +70,6 @@ bool meets(AlignedBox3d box, const Positions& blade, double distance) {
   return false;
 }
 
-/// Calls visit(edge) for each edge of a cell, once.
-template <class Visit>
-void forEachEdge(const PolyhedralMesh& mesh, CellId id, const Visit& visit) {
-  for (const FaceId face_id : mesh.cell(id).faces) {
-    const Face& face = mesh.face(face_id);
-    // The two faces at an edge run along it in opposite directions, seen from the cell.
-    const bool is_outward = face.cells[0] == id;
-    VertexId from = face.loop.back();
-    for (const VertexId to : face.loop) {
-      if ((from < to) == is_outward) visit(makeEdge(from, to));
-      from = to;
-    }
-  }
-}
-
 /// Edges for whose box, over the motion of the tissue, is_near holds, as it does for the box of a cell that
 /// has them.
 template <class IsNear>
@@ -103,11 +88,11 @@ std::vector<Edge> edgesNear(const PolyhedralMesh& mesh, const CellTree& tree,
         AlignedBox3d cell_box;
         for (const VertexId v : mesh.cell(id).vertices) extend(cell_box, v);
         if (!is_near(cell_box)) return true;
-        forEachEdge(mesh, id, [&](const Edge& edge) {
+        mesh.forEachEdge(id, [&](VertexId a, VertexId b) {
           AlignedBox3d edge_box;
-          extend(edge_box, edge.first);
-          extend(edge_box, edge.second);
-          if (is_near(edge_box)) edges.push_back(edge);
+          extend(edge_box, a);
+          extend(edge_box, b);
+          if (is_near(edge_box)) edges.emplace_back(a, b);
         });
         return true;
       });
@@ -313,9 +298,9 @@ std::vector<Hit> findHits(const PolyhedralMesh& mesh, const CellTree& tree, cons
         const auto knownSide = [&](VertexId v) {
           return sides[std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin()];
         };
-        forEachEdge(mesh, id, [&](const Edge& edge) {
-          const int second = knownSide(edge.second);
-          if (knownSide(edge.first) != second) crossed.emplace_back(edge, second);
+        mesh.forEachEdge(id, [&](VertexId a, VertexId b) {
+          const int side_b = knownSide(b);
+          if (knownSide(a) != side_b) crossed.emplace_back(Edge(a, b), side_b);
         });
         return true;
       });
