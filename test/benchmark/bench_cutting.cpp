@@ -18,7 +18,6 @@
 namespace polyscalpel::bench {
 namespace {
 
-using benchmark::Counter;
 using Eigen::Isometry3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;

@@ -3,6 +3,7 @@
 // Times of single stages, by Google Benchmark: polyscalpel_bench [--meshes folder] [--commit name] [options
 // of Google Benchmark]. Each row is repeated, and its median counts.
 #include <cstdlib>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -26,6 +27,15 @@ std::string takeOption(std::vector<char*>& arguments, const std::string& name, c
   return otherwise;
 }
 
+std::string cpuModel() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.rfind("model name", 0) == 0 && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -33,6 +43,7 @@ int main(int argc, char** argv) {
   const char* const folder = std::getenv("POLYSCALPEL_TEST_MESHES");
   const std::string meshes = takeOption(arguments, "--meshes", folder ? folder : "");
   benchmark::AddCustomContext("commit", takeOption(arguments, "--commit", "unknown"));
+  benchmark::AddCustomContext("cpu", cpuModel());
   benchmark::AddCustomContext("compiler", std::string("g++ ") + __VERSION__);
 
   int count = static_cast<int>(arguments.size());
