@@ -59,9 +59,6 @@ class CellTree {
   template <class IsNear, class Visit>
   void visit(const PolyhedralMesh& mesh, const IsNear& is_near, const Visit& visit) const;
 
-  /// Number of boxes of cells and inner nodes that a search looked at would be at most this.
-  int numBoxes() const { return static_cast<int>(nodes_.size() + leaf_of_cell_.size()); }
-
  private:
   static constexpr int kLeafCells = 8;   ///< a leaf of more is halved
   static constexpr int kBuiltCells = 6;  ///< that a leaf has at most when the tree is built
