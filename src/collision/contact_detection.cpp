@@ -19,6 +19,7 @@ namespace {
 
 constexpr int kPatchTriangles =
     256;  // patches are halved until they have no more, so most have half to all of it
+constexpr int kNone = -1, kWaiting = -2;     // instead of a patch's number
 constexpr int kLargestPatchTriangles = 400;  // a patch that a cut has grown beyond is halved anew
 
 using Positions = Eigen::Ref<const Eigen::Matrix3Xd>;
@@ -155,7 +156,7 @@ bool rememberPatch(fcl::CollisionObjectd* first, fcl::CollisionObjectd* second, 
 
 struct TissueSurface::Impl {
   std::map<int, Patch> patches;    // by number; numbers are never given again
-  std::vector<int> patch_of_face;  // -1: not on the surface
+  std::vector<int> patch_of_face;  // kNone: not on the surface
   int next_patch = 0;
   fcl::DynamicAABBTreeCollisionManagerd manager;
 
@@ -181,15 +182,22 @@ struct TissueSurface::Impl {
   /// The patch that holds most faces around the face's vertices, the lowest number of several; -1 if there is
   /// none.
   int patchAround(const PolyhedralMesh& mesh, FaceId face) const {
-    std::map<int, int> votes;
+    std::vector<int> numbers;
     for (const VertexId vertex : mesh.face(face).loop) {
       for (const FaceId other : mesh.facesAround(vertex)) {
-        if (patch_of_face[other.index()] >= 0) ++votes[patch_of_face[other.index()]];
+        if (patch_of_face[other.index()] >= 0) numbers.push_back(patch_of_face[other.index()]);
       }
     }
+    std::sort(numbers.begin(), numbers.end());
     int best = -1;
-    for (const auto& [patch, count] : votes) {
-      if (best < 0 || count > votes[best]) best = patch;
+    std::ptrdiff_t most = 0;
+    for (auto first = numbers.begin(); first != numbers.end();) {
+      const auto last = std::upper_bound(first, numbers.end(), *first);
+      if (last - first > most) {
+        most = last - first;
+        best = *first;
+      }
+      first = last;
     }
     return best;
   }
@@ -212,7 +220,7 @@ struct TissueSurface::Impl {
 
 TissueSurface::TissueSurface(const PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions)
     : impl_(std::make_unique<Impl>()) {
-  impl_->patch_of_face.assign(mesh.faceCapacity(), -1);
+  impl_->patch_of_face.assign(mesh.faceCapacity(), kNone);
   std::vector<FaceId> faces;
   for (int i = 0; i < mesh.faceCapacity(); ++i) {
     if (isOnSurface(mesh, FaceId(i))) faces.emplace_back(i);
@@ -228,7 +236,7 @@ TissueSurface& TissueSurface::operator=(TissueSurface&&) noexcept = default;
 void TissueSurface::update(const PolyhedralMesh& mesh, const MeshChange& change,
                            const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
   Impl& impl = *impl_;
-  impl.patch_of_face.resize(mesh.faceCapacity(), -1);
+  impl.patch_of_face.resize(mesh.faceCapacity(), kNone);
 
   std::map<int, std::vector<FaceId>> faces_of_touched;
   const auto touch = [&](int number) -> std::vector<FaceId>& {
@@ -245,41 +253,49 @@ void TissueSurface::update(const PolyhedralMesh& mesh, const MeshChange& change,
       std::vector<FaceId>& faces = touch(number);
       if (!is_on_surface) {
         faces.erase(std::lower_bound(faces.begin(), faces.end(), face));
-        number = -1;
+        number = kNone;
       }
     } else if (is_on_surface) {
       to_place.push_back(face);
     }
   }
   // Place the new ones beside their neighbours, in rounds from the placed ones outward.
-  std::vector<FaceId> added;
-  while (!to_place.empty()) {
+  for (const FaceId face : to_place) impl.patch_of_face[face.index()] = kWaiting;
+  std::vector<FaceId> candidates = to_place;
+  auto next_alone = to_place.begin();  // where a part of the surface has no patch around it
+  while (true) {
     std::vector<std::pair<FaceId, int>> placed;
-    std::vector<FaceId> rest;
-    for (const FaceId face : to_place) {
+    for (const FaceId face : candidates) {
       const int number = impl.patchAround(mesh, face);
-      if (number >= 0) {
-        placed.emplace_back(face, number);
-      } else {
-        rest.push_back(face);
-      }
+      if (number >= 0) placed.emplace_back(face, number);
     }
     if (placed.empty()) {
-      const int number = impl.nearestPatch(centreOf(mesh, positions, rest.front()));
+      next_alone = std::find_if(next_alone, to_place.end(),
+                                [&](FaceId face) { return impl.patch_of_face[face.index()] == kWaiting; });
+      if (next_alone == to_place.end()) break;
+      const int number = impl.nearestPatch(centreOf(mesh, positions, *next_alone));
       if (number < 0) break;  // the surface had no patch at all
-      placed.emplace_back(rest.front(), number);
-      rest.erase(rest.begin());
+      placed.emplace_back(*next_alone, number);
     }
+    candidates.clear();
     for (const auto& [face, number] : placed) {
       impl.patch_of_face[face.index()] = number;
       touch(number).push_back(face);
     }
-    to_place = std::move(rest);
+    for (const auto& [face, number] : placed) {
+      for (const VertexId vertex : mesh.face(face).loop) {
+        for (const FaceId other : mesh.facesAround(vertex)) {
+          if (impl.patch_of_face[other.index()] == kWaiting) candidates.push_back(other);
+        }
+      }
+    }
+    std::sort(candidates.begin(), candidates.end());
+    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
   }
+  to_place.erase(std::remove_if(to_place.begin(), to_place.end(),
+                                [&](FaceId face) { return impl.patch_of_face[face.index()] != kWaiting; }),
+                 to_place.end());
 
-  for (auto& [number, patch] : impl.patches) {
-    if (faces_of_touched.count(number) == 0) refitTree(mesh, positions, patch);
-  }
   for (auto& [number, faces] : faces_of_touched) {
     int triangles = 0;
     for (const FaceId face : faces) triangles += numTriangles(mesh.face(face));

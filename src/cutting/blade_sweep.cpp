@@ -66,30 +66,58 @@ bool meets(AlignedBox3d box, const Positions& blade, double distance) {
 /// Edges for whose box, over the motion of the tissue, is_near holds, as it does for the box of a cell that
 /// has them.
 template <class IsNear>
-std::vector<Edge> edgesNear(const PolyhedralMesh& mesh, const Positions& positions_start,
-                            const Positions& positions_end, const IsNear& is_near) {
+std::vector<Edge> edgesNear(const PolyhedralMesh& mesh, const CellTree& tree,
+                            const Positions& positions_start, const Positions& positions_end,
+                            const IsNear& is_near) {
   std::vector<Edge> edges;
   const bool moves = positions_start.data() != positions_end.data();
   const auto extend = [&](AlignedBox3d& box, VertexId v) {
     box.extend(positions_start.col(v.index()));
     if (moves) box.extend(positions_end.col(v.index()));
   };
-  for (int i = 0; i < mesh.cellCapacity(); ++i) {
-    const Cell& cell = mesh.cell(CellId(i));
-    if (!cell.isAlive()) continue;
-    AlignedBox3d cell_box;
-    for (const VertexId v : cell.vertices) extend(cell_box, v);
-    if (!is_near(cell_box)) continue;
-    for (const Edge& edge : mesh.edges(CellId(i))) {
-      AlignedBox3d edge_box;
-      extend(edge_box, edge.first);
-      extend(edge_box, edge.second);
-      if (is_near(edge_box)) edges.push_back(edge);
-    }
-  }
+  tree.visit(
+      mesh, [&](const CellTree::Bound& bound) { return is_near(bound.box); },
+      [&](CellId id) {
+        AlignedBox3d cell_box;
+        for (const VertexId v : mesh.cell(id).vertices) extend(cell_box, v);
+        if (!is_near(cell_box)) return true;
+        mesh.forEachEdge(id, [&](VertexId a, VertexId b) {
+          AlignedBox3d edge_box;
+          extend(edge_box, a);
+          extend(edge_box, b);
+          if (is_near(edge_box)) edges.emplace_back(a, b);
+        });
+        return true;
+      });
   sortUnique(edges);
   return edges;
 }
+
+/// The points within a distance of a plane.
+class Slab {
+ public:
+  Slab(const Vector3d& point, const Vector3d& normal) : point_(point), normal_(normal) {}
+
+  /// Makes it thick enough for the point.
+  void extend(const Vector3d& point) {
+    half_thickness_ = std::max(half_thickness_, std::abs(normal_.dot(point - point_)));
+  }
+
+  /// Whether the box meets it; also where rounding leaves that open.
+  bool meets(const AlignedBox3d& box) const {
+    if (box.isEmpty()) return false;
+    const Vector3d centre = box.center() - point_, half = 0.5 * box.sizes();
+    const Vector3d normal = normal_.cwiseAbs();
+    const double rounding =
+        kRounding * normal.dot(box.min().cwiseAbs() + box.max().cwiseAbs() + point_.cwiseAbs());
+    return std::abs(normal_.dot(centre)) <= normal.dot(half) + half_thickness_ + rounding;
+  }
+
+ private:
+  static constexpr double kRounding = 1e-14;
+  Vector3d point_, normal_;
+  double half_thickness_ = 0;
+};
 
 double absoluteCosine(const Vector3d& a, const Vector3d& b) {
   const double norms = a.norm() * b.norm();
@@ -116,19 +144,23 @@ class SignedSum {
   std::pair<double, double> last_[2];
 };
 
+/// No point of the blade is ever further from where it starts than this, whatever turning and travel add up
+/// to.
+double longestWay(const Matrix3Xd& edge_tool, const Isometry3d& T_start, const Isometry3d& T_end) {
+  const Matrix3Xd turned = T_end.linear() * edge_tool;
+  return (turned - T_start.linear() * edge_tool).colwise().norm().maxCoeff() +
+         (T_end.translation() - T_start.translation()).norm();
+}
+
 /// One sub-step of a blade's motion, cut out of the whole step by fractions.
 class Sweep {
  public:
-  Sweep(const PolyhedralMesh& mesh, const BladeMotion& motion) : mesh_(mesh), motion_(motion) {
+  Sweep(const PolyhedralMesh& mesh, const CellTree& tree, const BladeMotion& motion)
+      : mesh_(mesh), motion_(motion) {
     moves_ = motion.positions_start.data() != motion.positions_end.data();
     const Matrix3Xd start = bladeAt(0);
-    // No point of the blade is ever further from where it starts than this, whatever turning and travel add
-    // up to.
-    const Matrix3Xd turned = motion.T_world_tool_end.linear() * motion.edge_tool;
-    const double travel =
-        (turned - motion.T_world_tool_start.linear() * motion.edge_tool).colwise().norm().maxCoeff() +
-        (motion.T_world_tool_end.translation() - motion.T_world_tool_start.translation()).norm();
-    edges_ = edgesNear(mesh, motion.positions_start, motion.positions_end,
+    const double travel = longestWay(motion.edge_tool, motion.T_world_tool_start, motion.T_world_tool_end);
+    edges_ = edgesNear(mesh, tree, motion.positions_start, motion.positions_end,
                        [&](const AlignedBox3d& box) { return meets(box, start, travel); });
 
     double size = kInfinity, drift = 0;
@@ -235,40 +267,66 @@ Isometry3d interpolate(const Isometry3d& T_start, const Isometry3d& T_end, doubl
   return T;
 }
 
-std::vector<Hit> findHits(const PolyhedralMesh& mesh, const Positions& positions, const PlaneCut& plane) {
-  std::vector<int> sides(mesh.numVertices());
-  for (int i = 0; i < mesh.numVertices(); ++i) {
-    sides[i] = sideOfPlane(positions.col(i), plane.point_world, plane.normal_world);
-  }
-  std::vector<Edge> edges;
-  for (int i = 0; i < mesh.faceCapacity(); ++i) {
-    const auto& loop = mesh.face(FaceId(i)).loop;
-    for (std::size_t j = 0; j < loop.size(); ++j) {
-      const VertexId a = loop[j], b = loop[(j + 1) % loop.size()];
-      if (sides[a.index()] != sides[b.index()]) edges.push_back(makeEdge(a, b));
-    }
-  }
-  sortUnique(edges);
+AlignedBox3d reachOf(const Matrix3Xd& edge_tool, const Isometry3d& T_start, const Isometry3d& T_end) {
+  AlignedBox3d box = boxOf(T_start * edge_tool);
+  const Vector3d travel = Vector3d::Constant(longestWay(edge_tool, T_start, T_end));
+  return {box.min() - travel, box.max() + travel};
+}
+
+std::vector<Hit> findHits(const PolyhedralMesh& mesh, const CellTree& tree, const Positions& positions,
+                          const PlaneCut& plane) {
+  const Slab slab(plane.point_world, plane.normal_world.stableNormalized());
+  const auto sideOf = [&](VertexId v) {
+    return sideOfPlane(positions.col(v.index()), plane.point_world, plane.normal_world);
+  };
+  std::vector<std::pair<Edge, int>> crossed;  // with the side of edge.second
+  std::vector<int> sides;                     // of the vertices of the cell at hand
+  tree.visit(
+      mesh, [&](const CellTree::Bound& bound) { return slab.meets(bound.box); },
+      [&](CellId id) {
+        const auto& vertices = mesh.cell(id).vertices;
+        sides.clear();
+        for (const VertexId v : vertices) sides.push_back(sideOf(v));
+        if (std::all_of(sides.begin(), sides.end(), [&](int side) { return side == sides[0]; })) return true;
+        const auto knownSide = [&](VertexId v) {
+          return sides[std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin()];
+        };
+        mesh.forEachEdge(id, [&](VertexId a, VertexId b) {
+          const int side_b = knownSide(b);
+          if (knownSide(a) != side_b) crossed.emplace_back(Edge(a, b), side_b);
+        });
+        return true;
+      });
+  std::sort(crossed.begin(), crossed.end());
+  crossed.erase(std::unique(crossed.begin(), crossed.end()), crossed.end());
   std::vector<Hit> hits;
-  for (const Edge& edge : edges) {
-    const auto distance = [&](VertexId v) {
+  hits.reserve(crossed.size());
+  for (const auto& [edge, side] : crossed) {
+    const auto distance = [&](VertexId v, int side_of_v) {
       const double value = plane.normal_world.dot(positions.col(v.index()) - plane.point_world);
-      return std::max(0.0, value * sides[v.index()]);
+      return std::max(0.0, value * side_of_v);
     };
-    const double first = distance(edge.first), second = distance(edge.second);
+    const double first = distance(edge.first, -side), second = distance(edge.second, side);
     const double weight = first + second > 0 ? first / (first + second) : 0;
     const Vector3d way = positions.col(edge.second.index()) - positions.col(edge.first.index());
-    hits.push_back({edge, weight, sides[edge.second.index()], absoluteCosine(way, plane.normal_world)});
+    hits.push_back({edge, weight, side, absoluteCosine(way, plane.normal_world)});
   }
   return hits;
 }
 
-std::vector<Hit> findHits(const PolyhedralMesh& mesh, const Positions& positions, const PolygonCut& polygon) {
+std::vector<Hit> findHits(const PolyhedralMesh& mesh, const CellTree& tree, const Positions& positions,
+                          const PolygonCut& polygon) {
   const Matrix3Xd& corners = polygon.corners_world;
   std::vector<Hit> hits;
   const AlignedBox3d reach = boxOf(corners);
-  const auto is_near = [&](const AlignedBox3d& box) { return reach.intersects(box); };
-  for (const Edge& edge : edgesNear(mesh, positions, positions, is_near)) {
+  Vector3d normal = Vector3d::Zero();
+  for (int i = 1; i + 1 < corners.cols(); ++i) {
+    normal += Vector3d(corners.col(i) - corners.col(0)).cross(corners.col(i + 1) - corners.col(0));
+  }
+  Slab slab(corners.col(0), normal.stableNormalized());
+  for (int i = 1; i < corners.cols(); ++i) slab.extend(corners.col(i));
+  const auto is_near = [&](const AlignedBox3d& box) { return reach.intersects(box) && slab.meets(box); };
+  for (const Edge& edge : edgesNear(mesh, tree, positions, positions, is_near)) {
     const Vector3d a = positions.col(edge.first.index()), b = positions.col(edge.second.index());
     SignedSum sum;
     for (int i = 1; i + 1 < corners.cols(); ++i) {
@@ -281,9 +339,9 @@ std::vector<Hit> findHits(const PolyhedralMesh& mesh, const Positions& positions
   return hits;
 }
 
-std::optional<std::vector<Hit>> findHits(const PolyhedralMesh& mesh, const BladeMotion& motion,
-                                         double max_travel) {
-  const Sweep sweep(mesh, motion);
+std::optional<std::vector<Hit>> findHits(const PolyhedralMesh& mesh, const CellTree& tree,
+                                         const BladeMotion& motion, double max_travel) {
+  const Sweep sweep(mesh, tree, motion);
   const double sub_steps = std::ceil(sweep.travelInSizes() / max_travel);
   if (!(sub_steps <= kMostSubSteps)) return std::nullopt;
   const int count = std::max(1, static_cast<int>(sub_steps));
@@ -300,13 +358,19 @@ bool isBladeAt(const PolyhedralMesh& mesh, CellId id, const Positions& positions
   return meets(boxOf(cell, positions), blade_world, margin * mesh.localSize(id));
 }
 
-bool isBladeInTissue(const PolyhedralMesh& mesh, const Positions& positions, const Positions& blade_world,
-                     double margin) {
-  for (int i = 0; i < mesh.cellCapacity(); ++i) {
-    if (mesh.cell(CellId(i)).isAlive() && isBladeAt(mesh, CellId(i), positions, blade_world, margin))
-      return true;
-  }
-  return false;
+bool isBladeInTissue(const PolyhedralMesh& mesh, const CellTree& tree, const Positions& positions,
+                     const Positions& blade_world, double margin) {
+  bool is_in = false;
+  tree.visit(
+      mesh,
+      [&](const CellTree::Bound& bound) {
+        return meets(bound.box, blade_world, margin * bound.largest_size);
+      },
+      [&](CellId id) {
+        is_in = isBladeAt(mesh, id, positions, blade_world, margin);
+        return !is_in;
+      });
+  return is_in;
 }
 
 }  // namespace polyscalpel

@@ -105,6 +105,20 @@ void Crossings::snap(const PolyhedralMesh& mesh, VertexId vertex, int side) {
   }
 }
 
+void Crossings::snapNear(const PolyhedralMesh& mesh, VertexId vertex, double snap_tolerance) {
+  if (snaps_.count(vertex)) return;
+  for (const VertexId other : neighboursOf(mesh, vertex)) {
+    const auto crossed = edges_.find(makeEdge(vertex, other));
+    if (crossed == edges_.end()) continue;
+    const bool is_first = vertex < other;
+    const auto& [weight, sign, time] = crossed->second;
+    const double length = (mesh.restPosition(other) - mesh.restPosition(vertex)).norm();
+    if ((is_first ? weight : 1 - weight) * length >= snap_tolerance * mesh.localSize(vertex)) continue;
+    snap(mesh, vertex, is_first ? -sign : sign);
+    return;
+  }
+}
+
 void Crossings::recordSplitEdge(const PolyhedralMesh& mesh, Edge edge, VertexId middle) {
   const auto crossed = edges_.find(edge);
   POLYSCALPEL_ASSERT(crossed != edges_.end());

@@ -14,6 +14,7 @@
 #include "polyscalpel/cutting/front_closure.hpp"
 #include "polyscalpel/cutting/split_cells.hpp"
 #include "polyscalpel/mesh/mesh_editing.hpp"
+#include "polyscalpel/mesh/mesh_index.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -34,79 +35,6 @@ bool isAlwaysReady(CellId) {
 std::string plural(int count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
-
-/// Rounds of remembering and splitting, one cut of a transaction on the mesh.
-class CutTransaction {
- public:
-  CutTransaction(MeshEditor& editor, Crossings& crossings, const CuttingConfig& config, int cut)
-      : mesh_(editor.mesh()),
-        editor_(editor),
-        start_(editor.savepoint()),
-        crossings_(crossings),
-        config_(config) {
-    POLYSCALPEL_ASSERT(cut >= 1);
-    result_.cut = cut;
-  }
-
-  void remember(const std::vector<Hit>& hits) {
-    for (const Hit& hit : hits) crossings_.add(mesh_, hit, config_.snap_tolerance);
-  }
-
-  /// The motion is too long to be looked at: nothing of this cut counts.
-  void refuse() { is_refused_ = true; }
-  bool isRefused() const { return is_refused_; }
-
-  /// Splits what is ready. Returns what this round changed.
-  MeshChange split(const std::function<bool(CellId)>& is_ready) {
-    has_met_ |= !crossings_.isEmpty();
-    const std::size_t savepoint = editor_.savepoint();
-    SplitCounts counts = splitCells(editor_, crossings_, is_ready, config_.snap_tolerance, result_.cut);
-    result_.cells_split += counts.cells_split;
-    result_.cut_area_m2 += counts.cap_area_m2;
-    left_whole_.insert(counts.left_whole.begin(), counts.left_whole.end());
-    MeshChange change = editor_.changeSince(savepoint);
-    if (!change.isEmpty()) crossings_.update(mesh_, change);
-    return change;
-  }
-
-  /// Divides the cells in which the blade stands; positions get the new vertices.
-  void close(Matrix3Xd& positions, const BladeFront& front) {
-    closeFront(editor_, crossings_, positions, front, config_.snap_tolerance);
-  }
-
-  /// Cells that could not be split, of all rounds.
-  const std::set<CellId>& leftWhole() const { return left_whole_; }
-
-  /// What it did, for the caller to commit. The numbers of pieces are left to the caller.
-  CutResult finish(bool count_left_whole) {
-    if (is_refused_) {
-      result_.status = CutStatus::kRefused;
-      return std::move(result_);
-    }
-    result_.change = editor_.changeSince(start_);
-    result_.status = result_.cells_split > 0 || result_.cut_area_m2 > 0 ? CutStatus::kCut
-                     : has_met_                                         ? CutStatus::kNothingSeparated
-                                                                        : CutStatus::kMissed;
-    if (result_.status != CutStatus::kCut) result_.change = {};  // divisions that were of no use
-    if (count_left_whole) {
-      // A cell may have been split after all in a later round.
-      result_.cells_left_whole = static_cast<int>(std::count_if(
-          left_whole_.begin(), left_whole_.end(), [&](CellId id) { return mesh_.cell(id).isAlive(); }));
-    }
-    return std::move(result_);
-  }
-
- private:
-  const PolyhedralMesh& mesh_;
-  MeshEditor& editor_;
-  std::size_t start_;
-  Crossings& crossings_;
-  const CuttingConfig& config_;
-  CutResult result_;
-  std::set<CellId> left_whole_;
-  bool has_met_ = false;
-  bool is_refused_ = false;
-};
 
 void describe(CutResult& result) {
   switch (result.status) {
@@ -130,21 +58,130 @@ void describe(CutResult& result) {
     result.message += ", " + plural(result.cells_left_whole, "cell") + " left whole";
 }
 
+/// A mesh with its index under change: committed whole, or as it was.
+class MeshTransaction {
+ public:
+  MeshTransaction(PolyhedralMesh& mesh, MeshIndex& index) : mesh_(mesh), editor(mesh), index(index) {}
+  ~MeshTransaction() {
+    // The mesh goes back to what it was; the tree has followed it on the way there only.
+    if (!is_committed_ && editor.savepoint() > 0) index.tree.clear();
+  }
+  MeshTransaction(const MeshTransaction&) = delete;
+  MeshTransaction& operator=(const MeshTransaction&) = delete;
+
+  /// Commits what made a cut, and completes the result.
+  CutResult end(CutResult result) {
+    result.pieces_before = result.pieces_after = index.pieces.count();
+    if (result.status == CutStatus::kCut) {
+      result.change = editor.commit();
+      is_committed_ = true;
+      index.pieces.update(mesh_, result.change);
+      result.pieces_after = index.pieces.count();
+    }
+    describe(result);
+    return result;
+  }
+
+ private:
+  PolyhedralMesh& mesh_;
+  bool is_committed_ = false;
+
+ public:
+  MeshEditor editor;
+  MeshIndex& index;
+};
+
+/// Rounds of remembering and splitting, one cut of a transaction.
+class CutTransaction {
+ public:
+  CutTransaction(MeshTransaction& whole, Crossings& crossings, const CuttingConfig& config, int cut)
+      : mesh_(whole.editor.mesh()),
+        editor_(whole.editor),
+        tree_(whole.index.tree),
+        crossings_(crossings),
+        config_(config) {
+    POLYSCALPEL_ASSERT(cut >= 1);
+    result_.cut = cut;
+  }
+
+  const CellTree& tree() const { return tree_; }
+
+  void remember(const std::vector<Hit>& hits) {
+    for (const Hit& hit : hits) crossings_.add(mesh_, hit, config_.snap_tolerance);
+  }
+
+  /// The motion is too long: nothing is cut.
+  void refuse() { is_refused_ = true; }
+  bool isRefused() const { return is_refused_; }
+
+  /// Splits what is ready. Returns what this round changed.
+  MeshChange split(const std::function<bool(CellId)>& is_ready) {
+    has_met_ |= !crossings_.isEmpty();
+    const std::size_t savepoint = editor_.savepoint();
+    SplitCounts counts = splitCells(editor_, crossings_, is_ready, config_.snap_tolerance, result_.cut);
+    result_.cells_split += counts.cells_split;
+    result_.cut_area_m2 += counts.cap_area_m2;
+    left_whole_.insert(counts.left_whole.begin(), counts.left_whole.end());
+    MeshChange change = editor_.changeSince(savepoint);
+    if (change.isEmpty()) return change;
+    crossings_.update(mesh_, change);
+    tree_.update(mesh_, change);
+    return change;
+  }
+
+  /// Divides the cells in which the blade stands; positions get the new vertices.
+  void close(Matrix3Xd& positions, const BladeFront& front) {
+    closeFront(editor_, tree_, crossings_, positions, front, config_.snap_tolerance);
+  }
+
+  /// Cells that could not be split, of all rounds.
+  const std::set<CellId>& leftWhole() const { return left_whole_; }
+
+  /// What it did, for the whole to be ended with. Cells that were only divided are no cut.
+  CutResult finish(bool count_left_whole) {
+    result_.status = is_refused_                                          ? CutStatus::kRefused
+                     : result_.cells_split > 0 || result_.cut_area_m2 > 0 ? CutStatus::kCut
+                     : has_met_                                           ? CutStatus::kNothingSeparated
+                                                                          : CutStatus::kMissed;
+    if (count_left_whole && !is_refused_) {
+      // A cell may have been split after all in a later round.
+      result_.cells_left_whole = static_cast<int>(std::count_if(
+          left_whole_.begin(), left_whole_.end(), [&](CellId id) { return mesh_.cell(id).isAlive(); }));
+    }
+    return std::move(result_);
+  }
+
+ private:
+  const PolyhedralMesh& mesh_;
+  MeshEditor& editor_;
+  CellTree& tree_;
+  Crossings& crossings_;
+  const CuttingConfig& config_;
+  CutResult result_;
+  std::set<CellId> left_whole_;
+  bool has_met_ = false;
+  bool is_refused_ = false;
+};
+
 }  // namespace
 
 struct BladeCut::Impl {
   Matrix3Xd edge_tool;
   CuttingConfig config;
   Crossings crossings;
-  std::set<CellId> refused;         // could not be split; tried once more when the stroke ends
-  std::optional<int> pieces;        // of the mesh as it was last seen
-  std::optional<BladeFront> front;  // since the blade is in the tissue
-  Matrix3Xd travel_since;           // of the blade relative to the tissue, not in front->travel_world yet
+  std::set<CellId> refused;            // could not be split; tried once more when the stroke ends
+  std::optional<MeshIndex> own_index;  // where the caller keeps none: the pieces alone, without a tree
+  std::optional<BladeFront> front;     // since the blade is in the tissue
+  double last_size = kInfinity;        // localSize around the blade, of when it had last crossed something
+  double last_travel_in_sizes = 0;
+  Matrix3Xd travel_since;  // of the blade relative to the tissue, not in front->travel_world yet
 
   void forget() {
     crossings.clear();
     refused.clear();
     front.reset();
+    last_size = kInfinity;
+    last_travel_in_sizes = 0;
   }
 
   /// Follows the way of the blade relative to the tissue around it.
@@ -168,6 +205,8 @@ struct BladeCut::Impl {
     const Isometry3d T_late = interpolate(motion.T_world_tool_start, motion.T_world_tool_end, 1 - kLatePart);
     travel_since += ((blade_world - T_late * edge_tool) / kLatePart).colwise() - drift;
     const Matrix3Xd way = (blade_world - motion.T_world_tool_start * edge_tool).colwise() - drift;
+    if (!crossings.edges().empty()) last_size = size;
+    last_travel_in_sizes = way.colwise().norm().maxCoeff() / last_size;
     front->blade_world = blade_world;
     front->stroke_length_m += way.colwise().norm().maxCoeff();
     if (front->travel_world.isZero(0) || travel_since.colwise().norm().maxCoeff() > kSteadyTravel * size) {
@@ -176,16 +215,13 @@ struct BladeCut::Impl {
     }
   }
 
-  void complete(const PolyhedralMesh& mesh, int pieces_before, CutResult& result) {
-    result.pieces_before = pieces_before;
-    if (result.status == CutStatus::kCut) pieces = findPieces(mesh).count;
-    result.pieces_after = *pieces;
-    describe(result);
-  }
-
-  int countPieces(const PolyhedralMesh& mesh) {
-    if (!pieces) pieces = findPieces(mesh).count;
-    return *pieces;
+  MeshIndex& indexOf(const PolyhedralMesh& mesh, MeshIndex* given) {
+    if (given) {
+      own_index.reset();  // it would not see this change
+      return *given;
+    }
+    if (!own_index) own_index.emplace(mesh);
+    return *own_index;
   }
 
   /// Splits whatever the blade has passed, wherever it is.
@@ -204,7 +240,8 @@ struct BladeCut::Impl {
   /// One motion within a transaction. Returns what it changed; sets has_left where it ended the stroke.
   MeshChange move(CutTransaction& transaction, const PolyhedralMesh& mesh, const BladeMotion& motion,
                   bool& has_left) {
-    const std::optional<std::vector<Hit>> hits = findHits(mesh, motion, config.max_travel);
+    const std::optional<std::vector<Hit>> hits =
+        findHits(mesh, transaction.tree(), motion, config.max_travel);
     has_left = !hits;
     if (!hits) {
       transaction.refuse();
@@ -212,7 +249,8 @@ struct BladeCut::Impl {
     }
     transaction.remember(*hits);
     const Matrix3Xd blade_world = motion.T_world_tool_end * edge_tool;
-    has_left = !isBladeInTissue(mesh, motion.positions_end, blade_world, config.hold_back);
+    has_left =
+        !isBladeInTissue(mesh, transaction.tree(), motion.positions_end, blade_world, config.hold_back);
     followFront(mesh, motion);
     if (has_left) {
       return splitAll(transaction);
@@ -245,40 +283,31 @@ BladeCut& BladeCut::operator=(BladeCut&&) noexcept = default;
 
 CutResult BladeCut::advance(PolyhedralMesh& mesh, const Positions& positions_start,
                             const Positions& positions_end, const Isometry3d& T_world_tool_start,
-                            const Isometry3d& T_world_tool_end, int cut) {
-  const int pieces_before = impl_->countPieces(mesh);
-  MeshEditor editor(mesh);
-  CutTransaction transaction(editor, impl_->crossings, impl_->config, cut);
+                            const Isometry3d& T_world_tool_end, int cut, MeshIndex* index) {
+  MeshTransaction whole(mesh, impl_->indexOf(mesh, index));
+  CutTransaction transaction(whole, impl_->crossings, impl_->config, cut);
   bool has_left = false;
   impl_->move(transaction, mesh,
               {impl_->edge_tool, T_world_tool_start, T_world_tool_end, positions_start, positions_end},
               has_left);
-  CutResult result = transaction.finish(has_left);
-  editor.commit();
+  CutResult result = whole.end(transaction.finish(has_left));
   if (has_left) impl_->forget();
-  impl_->complete(mesh, pieces_before, result);
   return result;
 }
 
-CutResult BladeCut::closeFront(PolyhedralMesh& mesh, const Positions& positions, int cut) {
-  const int pieces_before = impl_->countPieces(mesh);
+CutResult BladeCut::closeFront(PolyhedralMesh& mesh, const Positions& positions, int cut, MeshIndex* index) {
   const Crossings crossings_before = impl_->crossings;
-  MeshEditor editor(mesh);
-  CutTransaction transaction(editor, impl_->crossings, impl_->config, cut);
+  MeshTransaction whole(mesh, impl_->indexOf(mesh, index));
+  CutTransaction transaction(whole, impl_->crossings, impl_->config, cut);
   Matrix3Xd moved = positions;
   impl_->splitToFront(transaction, moved);
-  CutResult result = transaction.finish(true);
-  if (result.status == CutStatus::kCut) {
-    editor.commit();
-  } else {
-    impl_->crossings = crossings_before;
-  }
-  impl_->complete(mesh, pieces_before, result);
+  CutResult result = whole.end(transaction.finish(true));
+  if (result.status != CutStatus::kCut) impl_->crossings = crossings_before;
   return result;
 }
 
-CutResult BladeCut::finish(PolyhedralMesh& mesh, const Positions& positions, int cut) {
-  CutResult result = closeFront(mesh, positions, cut);
+CutResult BladeCut::finish(PolyhedralMesh& mesh, const Positions& positions, int cut, MeshIndex* index) {
+  CutResult result = closeFront(mesh, positions, cut, index);
   impl_->forget();
   return result;
 }
@@ -289,11 +318,14 @@ void BladeCut::forget() {
 
 void BladeCut::update(const PolyhedralMesh& mesh, const MeshChange& change) {
   impl_->crossings.update(mesh, change);
-  impl_->pieces.reset();
+  impl_->own_index.reset();
 }
 
 int BladeCut::numPending() const {
   return static_cast<int>(impl_->crossings.edges().size());
+}
+double BladeCut::travelInSizes() const {
+  return impl_->last_travel_in_sizes;
 }
 bool BladeCut::isCutting() const {
   return !impl_->crossings.isEmpty();
@@ -302,12 +334,12 @@ bool BladeCut::isCutting() const {
 namespace {
 
 /// One operation of a transaction. moved: positions of all vertices, which gets those of new ones.
-CutResult cutOnce(MeshEditor& editor, Matrix3Xd& moved, const CutOperation& operation,
+CutResult cutOnce(MeshTransaction& whole, Matrix3Xd& moved, const CutOperation& operation,
                   const CuttingConfig& config, int cut) {
-  const PolyhedralMesh& mesh = editor.mesh();
+  const PolyhedralMesh& mesh = whole.editor.mesh();
   BladeCut::Impl stroke;
   stroke.config = config;
-  CutTransaction transaction(editor, stroke.crossings, config, cut);
+  CutTransaction transaction(whole, stroke.crossings, config, cut);
   const auto follow = [&](const MeshChange& change) { extendByNewVertices(change.new_vertices, moved); };
   if (const auto* sweep = std::get_if<SweepCut>(&operation)) {
     stroke.edge_tool = sweep->edge_tool;
@@ -323,8 +355,8 @@ CutResult cutOnce(MeshEditor& editor, Matrix3Xd& moved, const CutOperation& oper
     if (!has_left) follow(stroke.splitToFront(transaction, moved));
   } else {
     transaction.remember(std::holds_alternative<PlaneCut>(operation)
-                             ? findHits(mesh, moved, std::get<PlaneCut>(operation))
-                             : findHits(mesh, moved, std::get<PolygonCut>(operation)));
+                             ? findHits(mesh, transaction.tree(), moved, std::get<PlaneCut>(operation))
+                             : findHits(mesh, transaction.tree(), moved, std::get<PolygonCut>(operation)));
     follow(transaction.split(isAlwaysReady));
   }
   return transaction.finish(true);
@@ -333,23 +365,27 @@ CutResult cutOnce(MeshEditor& editor, Matrix3Xd& moved, const CutOperation& oper
 }  // namespace
 
 CutResult cutMesh(PolyhedralMesh& mesh, const Positions& positions,
-                  const std::vector<CutOperation>& operations, const CuttingConfig& config, int cut) {
+                  const std::vector<CutOperation>& operations, const CuttingConfig& config, int cut,
+                  MeshIndex* given_index) {
   validate(config);
   validate(operations);
-  const int pieces_before = findPieces(mesh).count;
-  MeshEditor editor(mesh);
+  std::optional<MeshIndex> own_index;
+  if (!given_index) own_index.emplace(mesh);
+  MeshIndex& index = given_index ? *given_index : *own_index;
+  // Many searches: a tree pays.
+  const bool sweeps = std::any_of(operations.begin(), operations.end(), [](const CutOperation& operation) {
+    return std::holds_alternative<SweepCut>(operation);
+  });
+  if (sweeps && index.tree.isEmpty()) index.tree.fit(mesh, positions);
+
+  MeshTransaction whole(mesh, index);
   Matrix3Xd moved = positions;
   CutResult result;
   for (std::size_t i = 0; i < operations.size(); ++i) {
-    const int number = cut + static_cast<int>(i);
-    CutResult one = cutOnce(editor, moved, operations[i], config, number);
+    CutResult one = cutOnce(whole, moved, operations[i], config, cut + static_cast<int>(i));
     if (one.status != CutStatus::kCut) {
-      one.change = {};
-      one.cells_split = 0;
-      one.cut_area_m2 = 0;
       one.cut = cut;
-      one.pieces_before = one.pieces_after = pieces_before;
-      describe(one);
+      one = whole.end(std::move(one));
       if (operations.size() > 1) {
         one.message = "cut " + std::to_string(i + 1) + " of " + std::to_string(operations.size()) + ": " +
                       one.message + "; none of them is made";
@@ -363,16 +399,12 @@ CutResult cutMesh(PolyhedralMesh& mesh, const Positions& positions,
   result.status = CutStatus::kCut;
   result.cut = cut;
   result.num_cuts = static_cast<int>(operations.size());
-  result.change = editor.commit();
-  result.pieces_before = pieces_before;
-  result.pieces_after = findPieces(mesh).count;
-  describe(result);
-  return result;
+  return whole.end(std::move(result));
 }
 
 CutResult cutMesh(PolyhedralMesh& mesh, const Positions& positions, const CutOperation& operation,
-                  const CuttingConfig& config, int cut) {
-  return cutMesh(mesh, positions, std::vector<CutOperation>{operation}, config, cut);
+                  const CuttingConfig& config, int cut, MeshIndex* index) {
+  return cutMesh(mesh, positions, std::vector<CutOperation>{operation}, config, cut, index);
 }
 
 }  // namespace polyscalpel

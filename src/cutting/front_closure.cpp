@@ -32,7 +32,8 @@ class SegmentFront {
   SegmentFront(MeshEditor& editor, Crossings& crossings, Matrix3Xd& positions, double snap_tolerance)
       : editor_(editor), crossings_(crossings), positions_(positions), snap_tolerance_(snap_tolerance) {}
 
-  int close(const BladeFront& front, Eigen::Index segment, bool is_first, bool is_last) {
+  int close(const std::vector<CellId>& candidates, const BladeFront& front, Eigen::Index segment,
+            bool is_first, bool is_last) {
     p_ = front.blade_world.col(segment);
     way_ = front.blade_world.col(segment + 1) - p_;
     const Vector3d travel = 0.5 * (front.travel_world.col(segment) + front.travel_world.col(segment + 1));
@@ -41,9 +42,7 @@ class SegmentFront {
 
     const Vector3d direction = travel.normalized();
     std::array<std::unordered_set<CellId>, 2> passed;  // by each end of the segment
-    for (int i = 0; i < mesh().cellCapacity(); ++i) {
-      const CellId id(i);
-      if (!mesh().cell(id).isAlive()) continue;
+    for (const CellId id : candidates) {
       // Where the blade has come less than the snap distance far into a cell, the front is that cell's face,
       // and the cell behind it is to be closed.
       const Vector3d back = snap_tolerance_ * mesh().localSize(id) * direction;
@@ -144,6 +143,9 @@ class SegmentFront {
     const MeshChange change = editor_.changeSince(savepoint);
     extendByNewVertices(change.new_vertices, positions_);
     crossings_.update(mesh(), change);
+    for (const NewVertex& made : change.new_vertices) {
+      crossings_.snapNear(mesh(), made.vertex, snap_tolerance_);
+    }
     for (const NewCell& cell : change.new_cells) origins_[cell.cell] = origins_.at(cell.parent);
     return counts.cells_split;
   }
@@ -178,13 +180,30 @@ class SegmentFront {
 
 }  // namespace
 
-int closeFront(MeshEditor& editor, Crossings& crossings, Matrix3Xd& positions, const BladeFront& front,
-               double snap_tolerance) {
+int closeFront(MeshEditor& editor, CellTree& tree, Crossings& crossings, Matrix3Xd& positions,
+               const BladeFront& front, double snap_tolerance) {
   int count = 0;
   const Eigen::Index num_segments = front.blade_world.cols() - 1;
   for (Eigen::Index i = 0; i < num_segments; ++i) {
+    const Eigen::AlignedBox3d reach(front.blade_world.col(i).cwiseMin(front.blade_world.col(i + 1)),
+                                    front.blade_world.col(i).cwiseMax(front.blade_world.col(i + 1)));
+    std::vector<CellId> near;
+    tree.visit(
+        editor.mesh(),
+        [&](CellTree::Bound bound) {
+          bound.box.min().array() -= snap_tolerance * bound.largest_size;
+          bound.box.max().array() += snap_tolerance * bound.largest_size;
+          return bound.box.intersects(reach);
+        },
+        [&](CellId id) {
+          near.push_back(id);
+          return true;
+        });
+    std::sort(near.begin(), near.end());
+    const std::size_t savepoint = editor.savepoint();
     SegmentFront segment(editor, crossings, positions, snap_tolerance);
-    count += segment.close(front, i, i == 0, i + 1 == num_segments);
+    count += segment.close(near, front, i, i == 0, i + 1 == num_segments);
+    if (editor.savepoint() > savepoint) tree.update(editor.mesh(), editor.changeSince(savepoint));
   }
   return count;
 }

@@ -2,10 +2,12 @@
 #include "polyscalpel/cutting/split_cells.hpp"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <set>
-#include <unordered_map>
+
+#include <boost/container/flat_map.hpp>
+#include <boost/container/flat_set.hpp>
+#include <boost/container/small_vector.hpp>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -36,32 +38,47 @@ constexpr double kDivisionSnap = 0.1;
 
 using FaceParts = std::vector<std::pair<FaceId, std::pair<FaceId, FaceId>>>;
 
-/// The vertices of a cell that hang together through uncrossed edges; snapped vertices belong to none.
+/// The vertices of a cell that hang together through uncrossed edges; snapped vertices belong to none. Empty
+/// where there is but one such component, which is most often so.
 std::vector<std::vector<VertexId>> findComponents(const PolyhedralMesh& mesh, const Crossings& crossings,
                                                   CellId cell) {
+  constexpr int kNone = -1;
   const auto& vertices = mesh.cell(cell).vertices;
-  std::unordered_map<VertexId, std::vector<VertexId>> joined;
-  for (const VertexId v : vertices) {
-    if (!crossings.isSnapped(cell, v)) joined[v];
+  const auto localOf = [&](VertexId v) {
+    return static_cast<int>(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin());
+  };
+  // Disjoint sets of local vertices, each named by its smallest member.
+  boost::container::small_vector<int, 32> roots(vertices.size());
+  const auto find = [&](int i) {
+    while (roots[i] != i) i = roots[i] = roots[roots[i]];
+    return i;
+  };
+  int num_components = 0;
+  for (int i = 0; i < static_cast<int>(vertices.size()); ++i) {
+    const bool is_on_cut = crossings.isSnapped(cell, vertices[i]);
+    roots[i] = is_on_cut ? kNone : i;
+    num_components += !is_on_cut;
   }
-  for (const Edge& edge : mesh.edges(cell)) {
-    const auto a = joined.find(edge.first), b = joined.find(edge.second);
-    if (a == joined.end() || b == joined.end() || crossings.find(cell, edge)) continue;
-    a->second.push_back(edge.second);
-    b->second.push_back(edge.first);
-  }
+  mesh.forEachEdge(cell, [&](VertexId from, VertexId to) {
+    int a = localOf(from), b = localOf(to);
+    if (roots[a] == kNone || roots[b] == kNone || crossings.find(cell, {from, to})) return;
+    a = find(a);
+    b = find(b);
+    if (a == b) return;
+    roots[std::max(a, b)] = std::min(a, b);
+    --num_components;
+  });
   std::vector<std::vector<VertexId>> components;
-  std::set<VertexId> seen;
-  for (const VertexId start : vertices) {
-    if (!joined.count(start) || !seen.insert(start).second) continue;
-    std::vector<VertexId> component{start};
-    for (std::size_t i = 0; i < component.size(); ++i) {
-      for (const VertexId next : joined[component[i]]) {
-        if (seen.insert(next).second) component.push_back(next);
-      }
+  if (num_components < 2) return components;
+  boost::container::small_vector<int, 32> component_of(vertices.size(), kNone);  // by root
+  for (int i = 0; i < static_cast<int>(vertices.size()); ++i) {
+    if (roots[i] == kNone) continue;
+    int& component = component_of[find(i)];
+    if (component == kNone) {
+      component = static_cast<int>(components.size());
+      components.emplace_back();
     }
-    std::sort(component.begin(), component.end());
-    components.push_back(std::move(component));
+    components[component].push_back(vertices[i]);
   }
   std::stable_sort(components.begin(), components.end(),
                    [](const auto& a, const auto& b) { return a.size() < b.size(); });
@@ -178,7 +195,7 @@ class CellSplit {
 
   /// Chains the half-edges between the component's faces and the rest into the one loop that the cap must be.
   bool findCap() {
-    std::map<Edge, int> count;  // of the component's faces at an edge
+    boost::container::small_flat_map<Edge, int, 32> count;  // of the component's faces at an edge
     for (const FaceId id : mesh().cell(cell_).faces) {
       const auto& loop = mesh().face(id).loop;
       if (std::none_of(loop.begin(), loop.end(), [&](VertexId v) { return isInComponent(v); })) continue;
@@ -187,7 +204,8 @@ class CellSplit {
     }
     if (first_faces_.empty() || first_faces_.size() == mesh().cell(cell_).faces.size()) return false;
 
-    std::map<VertexId, VertexId> next;  // against the faces' own direction: counter-clockwise for the cap
+    boost::container::small_flat_map<VertexId, VertexId, 16>
+        next;  // against the faces' own direction: counter-clockwise for the cap
     for (const FaceId id : first_faces_) {
       const Face& face = mesh().face(id);
       const bool is_outward = face.cells[0] == cell_;
@@ -241,9 +259,10 @@ class CellSplit {
   MeshEditor& editor_;
   const Crossings& crossings_;
   CellId cell_;
-  std::set<VertexId> component_;
-  std::set<VertexId> middles_;
-  std::set<CellId> touched_;
+  // Ordered, and without an allocation for each of their few members.
+  boost::container::small_flat_set<VertexId, 16> component_;
+  boost::container::small_flat_set<VertexId, 16> middles_;
+  boost::container::small_flat_set<CellId, 32> touched_;
   std::vector<std::pair<Edge, VertexId>> split_edges_;
   FaceParts split_faces_;
   std::vector<FaceId> first_faces_;
@@ -395,6 +414,8 @@ class Splitter {
         if (!is_on_border) continue;
         for (const VertexId end : vertex.parents) border.insert(makeEdge(end, vertex.vertex));
       }
+      for (const NewVertex& vertex : change.new_vertices)
+        crossings_.snapNear(mesh(), vertex.vertex, tolerance);
       crossings_.recordDividedCells(change);
       followFaces(split.splitFaceParts());
       followFaces(across.face_parts_);

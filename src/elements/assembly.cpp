@@ -82,48 +82,104 @@ void Assembly::update(const PolyhedralMesh& mesh, const MeshChange& change) {
     make(0);
     helper.join();
   }
-  pack(mesh);
+  repack(mesh, change);
   makePattern();
   makeMasses();
 }
 
 void Assembly::pack(const PolyhedralMesh& mesh) {
   cells_.clear();
-  cell_vertices_.clear();
-  largest_cell_ = 0;
-  int num_blocks = 0;
+  cells_.reserve(mesh.numCells());
+  largest_cell_ = num_packed_vertices_ = num_left_vertices_ = num_packed_blocks_ = 0;
+  int num_vertices = 0, num_blocks = 0;
   for (const CellId id : mesh.cells()) {
-    const ElementMatrices& element = elements_[id.index()];
-    PackedCell cell;
-    cell.cell = id.index();
-    cell.kind = kind_of_cell_[id.index()];
-    cell.num_vertices = static_cast<int>(mesh.cell(id).vertices.size());
-    cell.is_stabilised = element.stabilisation.size() > 0;
-    cell.first_vertex = static_cast<int>(cell_vertices_.size());
-    cell.first_block = num_blocks;
-    cell.volume = element.volume;
-    POLYSCALPEL_ASSERT(element.mean_gradient.cols() == cell.num_vertices);
-    cells_.push_back(cell);
-    for (const VertexId vertex : mesh.cell(id).vertices) cell_vertices_.push_back(vertex.index());
-    num_blocks += cell.num_vertices * (cell.num_vertices + 1) / 2;
-    largest_cell_ = std::max(largest_cell_, cell.num_vertices);
+    const int n = static_cast<int>(mesh.cell(id).vertices.size());
+    num_vertices += n;
+    num_blocks += n * (n + 1) / 2;
   }
-  cell_blocks_.resize(num_blocks);
-  gradients_.resize(3, static_cast<Eigen::Index>(cell_vertices_.size()));
-  rest_offsets_.resize(3, static_cast<Eigen::Index>(cell_vertices_.size()));
-  for (const PackedCell& cell : cells_) {
-    gradients_.middleCols(cell.first_vertex, cell.num_vertices) = elements_[cell.cell].mean_gradient;
-    const std::vector<VertexId>& vertices = mesh.cell(CellId(cell.cell)).vertices;
-    for (int i = 0; i < cell.num_vertices; ++i) {
-      rest_offsets_.col(cell.first_vertex + i) =
-          mesh.restPosition(vertices[i]) - mesh.restPosition(vertices[0]);
-    }
-  }
+  makeRoom(num_vertices, num_blocks);
+  for (const CellId id : mesh.cells()) packCell(mesh, id, cells_.emplace_back());
   rest_stiffness_.clear();
+  makeWorkspace();
+  lineariseAtRest();
+}
+
+// Cells that are as they were keep their place. What a removed or changed cell leaves behind stays unused,
+// until it is more than what is in use.
+void Assembly::repack(const PolyhedralMesh& mesh, const MeshChange& change) {
+  const auto placeOf = [&](CellId id) {
+    const auto place = std::lower_bound(cells_.begin(), cells_.end(), id.index(),
+                                        [](const PackedCell& cell, int index) { return cell.cell < index; });
+    POLYSCALPEL_ASSERT(place != cells_.end() && place->cell == id.index());
+    return place;
+  };
+  for (const std::vector<CellId>* cells : {&change.removed_cells, &change.changed_cells}) {
+    for (const CellId id : *cells) num_left_vertices_ += placeOf(id)->num_vertices;
+  }
+  if (2 * num_left_vertices_ > num_packed_vertices_) return pack(mesh);
+
+  int num_vertices = 0, num_blocks = 0;
+  const auto count = [&](CellId id) {
+    const int n = static_cast<int>(mesh.cell(id).vertices.size());
+    num_vertices += n;
+    num_blocks += n * (n + 1) / 2;
+  };
+  for (const CellId id : change.changed_cells) count(id);
+  for (const NewCell& cell : change.new_cells) count(cell.cell);
+  makeRoom(num_vertices, num_blocks);
+  for (const CellId id : change.changed_cells) packCell(mesh, id, *placeOf(id));
+  if (!change.removed_cells.empty()) {
+    cells_.erase(
+        std::remove_if(placeOf(change.removed_cells.front()), cells_.end(),
+                       [&](const PackedCell& cell) { return !mesh.cell(CellId(cell.cell)).isAlive(); }),
+        cells_.end());
+  }
+  for (const NewCell& cell : change.new_cells) packCell(mesh, cell.cell, cells_.emplace_back());
+
+  linearisations_.resize(mesh.cellCapacity());
+  for (const CellId id : change.changed_cells) linearisations_[id.index()] = CellLinearisation();
+  rest_stiffness_.clear();
+  makeWorkspace();
+}
+
+// For so many vertices and blocks more; grows by half at least, so that many small cuts copy little.
+void Assembly::makeRoom(int num_vertices, int num_blocks) {
+  const int needed = num_packed_vertices_ + num_vertices;
+  cell_vertices_.resize(needed);
+  cell_blocks_.resize(num_packed_blocks_ + num_blocks);
+  if (gradients_.cols() >= needed) return;
+  const int columns = num_packed_vertices_ == 0 ? needed : std::max(needed, num_packed_vertices_ * 3 / 2);
+  gradients_.conservativeResize(3, columns);
+  rest_offsets_.conservativeResize(3, columns);
+}
+
+// Behind all that is packed.
+void Assembly::packCell(const PolyhedralMesh& mesh, CellId id, PackedCell& cell) {
+  const ElementMatrices& element = elements_[id.index()];
+  const std::vector<VertexId>& vertices = mesh.cell(id).vertices;
+  cell.cell = id.index();
+  cell.kind = kind_of_cell_[id.index()];
+  cell.num_vertices = static_cast<int>(vertices.size());
+  cell.is_stabilised = element.stabilisation.size() > 0;
+  cell.first_vertex = num_packed_vertices_;
+  cell.first_block = num_packed_blocks_;
+  cell.volume = element.volume;
+  POLYSCALPEL_ASSERT(element.mean_gradient.cols() == cell.num_vertices);
+  gradients_.middleCols(cell.first_vertex, cell.num_vertices) = element.mean_gradient;
+  for (int i = 0; i < cell.num_vertices; ++i) {
+    cell_vertices_[cell.first_vertex + i] = vertices[i].index();
+    rest_offsets_.col(cell.first_vertex + i) =
+        mesh.restPosition(vertices[i]) - mesh.restPosition(vertices[0]);
+  }
+  num_packed_vertices_ += cell.num_vertices;
+  num_packed_blocks_ += cell.num_vertices * (cell.num_vertices + 1) / 2;
+  largest_cell_ = std::max(largest_cell_, cell.num_vertices);
+}
+
+void Assembly::makeWorkspace() {
   work_ = CellWorkspace(largest_cell_);
   gathered_.resize(3, largest_cell_);
   cell_forces_.resize(3, largest_cell_);
-  lineariseAtRest();
 }
 
 // Column by column: the rows are the vertices of the cells around the column's vertex. Sorting within one
@@ -135,9 +191,11 @@ void Assembly::makePattern() {
   };
   const int num_vertices = static_cast<int>(is_touched_.size());
   std::vector<int> first_corner(num_vertices + 1, 0);
-  for (const int vertex : cell_vertices_) ++first_corner[vertex + 1];
+  for (const PackedCell& cell : cells_) {
+    for (int i = 0; i < cell.num_vertices; ++i) ++first_corner[cell_vertices_[cell.first_vertex + i] + 1];
+  }
   for (int i = 0; i < num_vertices; ++i) first_corner[i + 1] += first_corner[i];
-  std::vector<Corner> corners(cell_vertices_.size());
+  std::vector<Corner> corners(first_corner.back());
   {
     std::vector<int> next(first_corner.begin(), first_corner.end() - 1);
     for (int c = 0; c < static_cast<int>(cells_.size()); ++c) {
@@ -255,22 +313,22 @@ void Assembly::linearise(const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
   POLYSCALPEL_ASSERT(positions.cols() == numVertices());
   if (hasConstantStiffness()) return;
   const bool exact_force = kinds_.front().element.exact_force;
-  for (std::size_t c = 0; c < cells_.size(); ++c) {
-    linearisations_[c] = polyscalpel::linearise(*measure_, view(cells_[c]),
-                                                gather(cells_[c], positions, gathered_), exact_force, work_);
+  for (const PackedCell& cell : cells_) {
+    linearisations_[cell.cell] =
+        polyscalpel::linearise(*measure_, view(cell), gather(cell, positions, gathered_), exact_force, work_);
   }
 }
 
 void Assembly::lineariseAtRest() {
-  linearisations_.assign(cells_.size(), CellLinearisation());
+  linearisations_.assign(elements_.size(), CellLinearisation());
 }
 
 void Assembly::assembleStiffness(double scale, Blocks& matrix) const {
   Eigen::Matrix3Xd h_of(3, largest_cell_);
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     const PackedCell& cell = cells_[c];
-    const Eigen::Matrix3d& R = linearisations_[c].R;
-    const MeanLinearisation& mean = linearisations_[c].mean;
+    const Eigen::Matrix3d& R = linearisations_[cell.cell].R;
+    const MeanLinearisation& mean = linearisations_[cell.cell].mean;
     const int n = cell.num_vertices;
     const auto gradients = gradients_.middleCols(cell.first_vertex, n);
     const double scaled_volume = scale * cell.volume;
@@ -340,7 +398,7 @@ void Assembly::internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& position
     const PackedCell& cell = cells_[c];
     auto cell_forces = cell_forces_.leftCols(cell.num_vertices);
     cell_forces.setZero();
-    addForces(linearisations_[c], view(cell), gather(cell, positions, gathered_), work_, cell_forces);
+    addForces(linearisations_[cell.cell], view(cell), gather(cell, positions, gathered_), work_, cell_forces);
     for (int i = 0; i < cell.num_vertices; ++i) {
       forces.col(cell_vertices_[cell.first_vertex + i]) += cell_forces.col(i);
     }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <type_traits>
 
 #include "polyscalpel/core/checks.hpp"
 
@@ -83,58 +84,109 @@ MeshEditor::~MeshEditor() {
   rollBackTo(0);
 }
 
+// Faces and cells are taken apart by structured bindings, so that a member which is added to one of them and
+// is not saved does not compile.
+
+template <class T>
+void MeshEditor::save(const std::vector<T>& values) {
+  saved_.push_back(static_cast<int>(values.size()));
+  for (const T& value : values) {
+    if constexpr (std::is_same_v<T, char>) {
+      saved_.push_back(value);
+    } else {
+      saved_.push_back(value.index());
+    }
+  }
+}
+
+template <class T>
+const int* MeshEditor::restore(const int* saved, std::vector<T>& values) {
+  const int count = *saved++;
+  values.clear();
+  for (int i = 0; i < count; ++i) values.push_back(static_cast<T>(saved[i]));
+  return saved + count;
+}
+
 void MeshEditor::rollBackTo(std::size_t savepoint) {
-  while (journal_.size() > savepoint) {
-    Undo& undo = journal_.back();
-    if (auto* old_face = std::get_if<OldFace>(&undo)) {
-      if (old_face->face) {
-        mesh_.faces_[old_face->id.index()] = std::move(*old_face->face);
-      } else {
-        mesh_.faces_.pop_back();
+  for (; journal_.size() > savepoint; journal_.pop_back()) {
+    const Undo& undo = journal_.back();
+    const int* saved = saved_.data() + undo.saved;
+    switch (undo.kind) {
+      case Undo::Kind::kOldFace: {
+        auto& [loop, is_corner, cells, cut] = mesh_.faces_[undo.id];
+        cut = *saved++;
+        for (CellId& cell : cells) cell = CellId(*saved++);
+        saved = restore(saved, loop);
+        restore(saved, is_corner);
+        break;
       }
-    } else if (auto* old_cell = std::get_if<OldCell>(&undo)) {
-      if (old_cell->cell) {
-        mesh_.num_cells_ += old_cell->cell->isAlive() - mesh_.cells_[old_cell->id.index()].isAlive();
-        mesh_.cells_[old_cell->id.index()] = std::move(*old_cell->cell);
-      } else {
+      case Undo::Kind::kOldCell: {
+        Cell& cell = mesh_.cells_[undo.id];
+        auto& [faces, vertices, region] = cell;
+        mesh_.num_cells_ -= cell.isAlive();
+        region = *saved++;
+        saved = restore(saved, faces);
+        restore(saved, vertices);
+        mesh_.num_cells_ += cell.isAlive();
+        break;
+      }
+      case Undo::Kind::kOldVertexFaces:
+        restore(saved, mesh_.vertex_faces_[undo.id]);
+        break;
+      case Undo::Kind::kNewFace:
+        mesh_.faces_.pop_back();
+        break;
+      case Undo::Kind::kNewCell:
         mesh_.num_cells_ -= mesh_.cells_.back().isAlive();
         mesh_.cells_.pop_back();
         parents_.pop_back();
-      }
-    } else if (auto* old_faces = std::get_if<OldVertexFaces>(&undo)) {
-      mesh_.vertex_faces_[old_faces->id.index()] = std::move(old_faces->faces);
-    } else if (const auto* retired = std::get_if<RetiredVertex>(&undo)) {
-      mesh_.is_retired_[retired->id.index()] = 0;
-    } else {
-      mesh_.rest_positions_.pop_back();
-      mesh_.is_retired_.pop_back();
-      mesh_.local_sizes_.pop_back();
-      mesh_.vertex_faces_.pop_back();
-      new_vertices_.pop_back();
+        break;
+      case Undo::Kind::kNewVertex:
+        mesh_.rest_positions_.pop_back();
+        mesh_.is_retired_.pop_back();
+        mesh_.local_sizes_.pop_back();
+        mesh_.vertex_faces_.pop_back();
+        new_vertices_.pop_back();
+        break;
+      case Undo::Kind::kRetiredVertex:
+        mesh_.is_retired_[undo.id] = 0;
+        break;
     }
-    journal_.pop_back();
+    saved_.resize(undo.saved);
   }
 }
 
 Face& MeshEditor::touchFace(FaceId id) {
-  journal_.push_back(OldFace{id, mesh_.faces_[id.index()]});
-  return mesh_.faces_[id.index()];
+  Face& face = mesh_.faces_[id.index()];
+  note(Undo::Kind::kOldFace, id.index());
+  const auto& [loop, is_corner, cells, cut] = face;
+  saved_.push_back(cut);
+  for (const CellId cell : cells) saved_.push_back(cell.index());
+  save(loop);
+  save(is_corner);
+  return face;
 }
 
 Cell& MeshEditor::touchCell(CellId id) {
-  journal_.push_back(OldCell{id, mesh_.cells_[id.index()]});
-  return mesh_.cells_[id.index()];
+  Cell& cell = mesh_.cells_[id.index()];
+  note(Undo::Kind::kOldCell, id.index());
+  const auto& [faces, vertices, region] = cell;
+  saved_.push_back(region);
+  save(faces);
+  save(vertices);
+  return cell;
 }
 
 std::vector<FaceId>& MeshEditor::touchVertexFaces(VertexId id) {
-  journal_.push_back(OldVertexFaces{id, mesh_.vertex_faces_[id.index()]});
+  note(Undo::Kind::kOldVertexFaces, id.index());
+  save(mesh_.vertex_faces_[id.index()]);
   return mesh_.vertex_faces_[id.index()];
 }
 
 FaceId MeshEditor::addFace(Face face) {
   const FaceId id(mesh_.faces_.size());
   for (const VertexId vertex : face.loop) touchVertexFaces(vertex).push_back(id);
-  journal_.push_back(OldFace{id, std::nullopt});
+  note(Undo::Kind::kNewFace, id.index());
   mesh_.faces_.push_back(std::move(face));
   return id;
 }
@@ -150,7 +202,7 @@ CellId MeshEditor::addCell(CellId former, std::vector<FaceId> faces) {
   Cell cell;
   cell.faces = std::move(faces);
   cell.region = mesh_.cell(former).region;
-  journal_.push_back(OldCell{id, std::nullopt});
+  note(Undo::Kind::kNewCell, id.index());
   mesh_.cells_.push_back(std::move(cell));
   ++mesh_.num_cells_;
   parents_.push_back(former);
@@ -163,7 +215,7 @@ VertexId MeshEditor::addVertex(const NewVertex& origin) {
                                           : Eigen::Vector3d((1 - origin.weight) * mesh_.restPosition(a) +
                                                             origin.weight * mesh_.restPosition(b));
   const double size = std::min(mesh_.localSize(a), mesh_.localSize(b));
-  journal_.push_back(AddedVertex{});
+  note(Undo::Kind::kNewVertex, origin.vertex.index());
   mesh_.rest_positions_.push_back(position);
   mesh_.is_retired_.push_back(0);
   mesh_.local_sizes_.push_back(size);
@@ -344,7 +396,7 @@ void MeshEditor::removeCells(const std::vector<CellId>& cells) {
   for (const VertexId id : vertices) {
     // At a vertex all cells are joined through faces, so it has no face of another piece.
     touchVertexFaces(id).clear();
-    journal_.push_back(RetiredVertex{id});
+    note(Undo::Kind::kRetiredVertex, id.index());
     mesh_.is_retired_[id.index()] = 1;
   }
 }
@@ -355,15 +407,26 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
   std::size_t num_new_vertices = 0;
   int first_new_cell = mesh_.cellCapacity();
   for (std::size_t i = savepoint; i < journal_.size(); ++i) {
-    if (const auto* old_cell = std::get_if<OldCell>(&journal_[i])) {
-      cells.push_back(old_cell->id);
-      if (!old_cell->cell) first_new_cell = std::min(first_new_cell, old_cell->id.index());
-    } else if (const auto* old_face = std::get_if<OldFace>(&journal_[i])) {
-      change.changed_faces.push_back(old_face->id);
-    } else if (const auto* retired = std::get_if<RetiredVertex>(&journal_[i])) {
-      change.retired_vertices.push_back(retired->id);
-    } else {
-      num_new_vertices += std::holds_alternative<AddedVertex>(journal_[i]);
+    const Undo& undo = journal_[i];
+    switch (undo.kind) {
+      case Undo::Kind::kNewCell:
+        first_new_cell = std::min(first_new_cell, undo.id);
+        [[fallthrough]];
+      case Undo::Kind::kOldCell:
+        cells.emplace_back(undo.id);
+        break;
+      case Undo::Kind::kNewFace:
+      case Undo::Kind::kOldFace:
+        change.changed_faces.emplace_back(undo.id);
+        break;
+      case Undo::Kind::kNewVertex:
+        ++num_new_vertices;
+        break;
+      case Undo::Kind::kRetiredVertex:
+        change.retired_vertices.emplace_back(undo.id);
+        break;
+      case Undo::Kind::kOldVertexFaces:
+        break;
     }
   }
   sortUnique(change.retired_vertices);
@@ -386,6 +449,7 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
 MeshChange MeshEditor::commit() {
   MeshChange change = changeSince(0);
   journal_.clear();
+  saved_.clear();
   new_vertices_.clear();
   parents_.clear();
   first_new_cell_ = mesh_.cellCapacity();

@@ -318,16 +318,8 @@ CellId PolyhedralMesh::neighbour(FaceId face_id, CellId cell) const {
 
 std::vector<std::pair<VertexId, VertexId>> PolyhedralMesh::edges(CellId id) const {
   std::vector<std::pair<VertexId, VertexId>> edges;
-  for (const FaceId face_id : cell(id).faces) {
-    const std::vector<VertexId>& loop = face(face_id).loop;
-    VertexId start = loop.back();
-    for (const VertexId end : loop) {
-      edges.push_back(std::minmax(start, end));
-      start = end;
-    }
-  }
+  forEachEdge(id, [&](VertexId a, VertexId b) { edges.emplace_back(a, b); });
   std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   return edges;
 }
 

@@ -121,7 +121,8 @@ CuttingConfig readCutting(YamlMap map) {
   CuttingConfig config;
   map.number("snap_tolerance", config.snap_tolerance, {1e-6, 0.2});
   map.number("hold_back", config.hold_back, {0, 2});
-  map.number("max_travel", config.max_travel, {0, 1, true, false});
+  map.number("max_travel", config.max_travel, {1e-3, 1});
+  map.number("close_front_after_s", config.close_front_after_s, {0, 1e6});
   map.number("fracture_toughness_j_m2", config.fracture_toughness_j_m2, {0, 1e5});
   map.number("debris_volume_m3", config.debris_volume_m3, kNotNegative);
   map.finish();

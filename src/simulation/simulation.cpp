@@ -10,8 +10,10 @@
 #include "polyscalpel/collision/contact_detection.hpp"
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/core/stage_timer.hpp"
+#include "polyscalpel/cutting/blade_sweep.hpp"
 #include "polyscalpel/elements/assembly.hpp"
 #include "polyscalpel/mesh/mesh_editing.hpp"
+#include "polyscalpel/mesh/mesh_index.hpp"
 #include "polyscalpel/mesh/surface.hpp"
 #include "polyscalpel/simulation/cut_balance.hpp"
 #include "polyscalpel/simulation/equilibrium.hpp"
@@ -47,6 +49,9 @@ struct Tool {
   std::optional<BladeCut> blade;
   std::optional<Eigen::Isometry3d> T_world_tool;  // at the end of the last step
   int cut = 0;  // number of the stroke under way, 0 before it has split anything
+  // The blade's travel since it last moved for sure, and for how long that has been.
+  double rest_travel_in_sizes = 0, rest_s = 0;
+  bool is_front_closed = false;
 };
 
 // Longest way of any part of the tool: its origin, its blade, its shape's bounding sphere.
@@ -115,7 +120,7 @@ struct Simulation::Impl {
   std::optional<Assembly> assembly;
   std::optional<ImplicitEuler> integrator;  // dynamic scenes
   std::optional<TissueSurface> surface;     // scenes with contact
-  Pieces pieces;
+  MeshIndex index;
   std::vector<PieceProperties> piece_table;
   std::optional<QualityMonitor> quality;
   Debris debris;  // all of it, without the changes
@@ -161,6 +166,7 @@ struct Simulation::Impl {
     mesh = pristine_mesh;
     state = pristine_state;
     assembly = pristine_assembly;
+    index = MeshIndex(mesh);
     quality = pristine_quality;
     debris = Debris();
     countPieces();
@@ -174,6 +180,8 @@ struct Simulation::Impl {
     for (std::size_t i = 0; i < tools.size(); ++i) {
       tools[i].T_world_tool.reset();
       tools[i].cut = 0;
+      tools[i].rest_travel_in_sizes = tools[i].rest_s = 0;
+      tools[i].is_front_closed = false;
       if (config.tools[i].blade_edge_tool)
         tools[i].blade.emplace(*config.tools[i].blade_edge_tool, *config.cutting);
     }
@@ -184,14 +192,12 @@ struct Simulation::Impl {
                           const std::vector<Eigen::Vector3d>& forces, const ToolPoses& T_end,
                           StepReport& report);
   void moveBlades(const ToolPoses& T_end, Eigen::Matrix3Xd& positions_start, StepReport& report);
-  void countPieces() {
-    pieces = findPieces(mesh);
-    piece_table = measurePieces(mesh, pieces, *assembly);
-  }
+  void countPieces() { piece_table = measurePieces(mesh, index.pieces.pieces(), *assembly); }
   void commit(int tool, CutResult result, Eigen::Matrix3Xd* positions_start, StepReport& report);
   void followChange(int tool, const MeshChange& change);
   CutEvent followCut(int tool, CutResult result);
   Debris removeDebris();
+  bool comesToRest(Tool& tool) const;
   Eigen::Vector3d cuttingResistance(int tool, const CutResult& result,
                                     const Eigen::Matrix3Xd& positions_start, const Eigen::Isometry3d& T_start,
                                     const Eigen::Isometry3d& T_end) const;
@@ -274,6 +280,7 @@ void Simulation::Impl::followChange(int tool, const MeshChange& change) {
 
 Debris Simulation::Impl::removeDebris() {
   Debris removed;
+  const Pieces& pieces = index.pieces.pieces();
   const std::vector<CellId> cells = findDebris(mesh, pieces, piece_table, config.cutting->debris_volume_m3);
   if (cells.empty()) return removed;
   std::set<int> numbers;
@@ -286,6 +293,7 @@ Debris Simulation::Impl::removeDebris() {
   MeshEditor editor(mesh);
   editor.removeCells(cells);
   removed.change = editor.commit();
+  index.update(mesh, removed.change);
   followChange(-1, removed.change);
   debris.num_pieces += removed.num_pieces;
   debris.volume_m3 += removed.volume_m3;
@@ -349,10 +357,12 @@ void Simulation::Impl::moveBlades(const ToolPoses& T_end, Eigen::Matrix3Xd& posi
     {
       const StageTimer timer(report.times.cutting_s);
       if (sweeps) {
-        result =
-            blade.advance(mesh, positions_start, state.positions, *tools[i].T_world_tool, *T_end[i], cut);
+        index.tree.fit(mesh, positions_start, state.positions,
+                       reachOf(*config.tools[i].blade_edge_tool, *tools[i].T_world_tool, *T_end[i]));
+        result = blade.advance(mesh, positions_start, state.positions, *tools[i].T_world_tool, *T_end[i], cut,
+                               &index);
       } else if (tools[i].T_world_tool) {
-        result = blade.finish(mesh, state.positions, cut);  // it has gone, or was taken elsewhere
+        result = blade.finish(mesh, state.positions, cut, &index);  // it has gone, or was taken elsewhere
       }
       report.tools[i].pending_crossings = blade.numPending();
     }
@@ -366,7 +376,32 @@ void Simulation::Impl::moveBlades(const ToolPoses& T_end, Eigen::Matrix3Xd& posi
                                                          *tools[i].T_world_tool, *T_end[i]);
       addReaction(report.tools[i].wrench_tool, -on_blade, *T_end[i] * bladeMiddle(tool), *T_end[i]);
     }
+    if (sweeps && comesToRest(tools[i])) {
+      CutResult closed;
+      {
+        const StageTimer timer(report.times.cutting_s);
+        index.tree.fit(mesh, state.positions);
+        closed = blade.closeFront(mesh, state.positions, cut, &index);
+        report.tools[i].pending_crossings = blade.numPending();
+      }
+      if (closed.status == CutStatus::kCut) tools[i].cut = cut;
+      commit(tool, std::move(closed), &positions_start, report);
+    }
   }
+}
+
+// Whether the blade has just come to rest, so that the slit is to reach up to it.
+bool Simulation::Impl::comesToRest(Tool& tool) const {
+  constexpr double kRestTravel = 0.02;  // in local sizes: less than this is a hand's tremor
+  tool.rest_travel_in_sizes += tool.blade->travelInSizes();
+  tool.rest_s += config.integration.time_step_s;
+  if (tool.rest_travel_in_sizes > kRestTravel || !tool.blade->isCutting()) {
+    tool.rest_travel_in_sizes = tool.rest_s = 0;
+    tool.is_front_closed = false;
+  }
+  if (tool.is_front_closed || tool.rest_s < config.cutting->close_front_after_s) return false;
+  tool.is_front_closed = tool.blade->isCutting();
+  return tool.is_front_closed;
 }
 
 // After the tissue has moved: forces on the tools, blades, and the tools' own poses.
@@ -474,7 +509,9 @@ CutResult Simulation::cut(const CutOperation& operation) {
 CutEvent Simulation::cutAll(const std::vector<CutOperation>& operations) {
   Impl& s = *impl_;
   if (!s.config.cutting) throw std::invalid_argument("cut: the scene is built without cutting");
-  CutResult result = cutMesh(s.mesh, s.state.positions, operations, *s.config.cutting, s.num_cuts + 1);
+  s.index.tree.fit(s.mesh, s.state.positions);
+  CutResult result =
+      cutMesh(s.mesh, s.state.positions, operations, *s.config.cutting, s.num_cuts + 1, &s.index);
   if (result.status == CutStatus::kCut) return s.followCut(-1, std::move(result));
   CutEvent event;
   event.result = std::move(result);
@@ -499,7 +536,7 @@ const Eigen::Matrix3Xd& Simulation::velocities() const {
   return impl_->state.velocities;
 }
 const Pieces& Simulation::pieces() const {
-  return impl_->pieces;
+  return impl_->index.pieces.pieces();
 }
 const std::vector<PieceProperties>& Simulation::pieceTable() const {
   return impl_->piece_table;

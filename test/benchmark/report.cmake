@@ -10,7 +10,7 @@ foreach(library BulletSoftBody BulletDynamics BulletCollision LinearMath)
 endforeach()
 
 file(GLOB report_sources CONFIGURE_DEPENDS test/benchmark/*.cpp)
-list(FILTER report_sources EXCLUDE REGEX "/bullet_body\\.cpp$")
+list(FILTER report_sources EXCLUDE REGEX "/(bullet_body|bench_[a-z]+)\\.cpp$")
 add_executable(polyscalpel_test_report EXCLUDE_FROM_ALL ${report_sources})
 set_target_properties(polyscalpel_test_report PROPERTIES OUTPUT_NAME polyscalpel_report
   RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})

@@ -141,8 +141,24 @@ TEST(ContactDetectionTest, UpdateAfterCutsEqualsAFreshSurface) {
     plane.normal_world = Eigen::Vector3d(std::cos(cut), std::sin(cut), 0.3 * cut);
     const CutResult result = cutMesh(mesh, mesh.restPositions(), plane, CuttingConfig(), cut);
     ASSERT_EQ(result.status, CutStatus::kCut);
+    surface.update(mesh, result.change, mesh.restPositions());
+    EXPECT_GT(compare(mesh, mesh.restPositions(), surface, TissueSurface(mesh, mesh.restPositions()), cut),
+              200u);
+  }
+}
+
+TEST(ContactDetectionTest, UpdateAfterCutsOfAMovedBodyAndARefitEqualsAFreshSurface) {
+  PolyhedralMesh mesh = makeTetBall(Eigen::Vector3d::Zero(), 0.05, 4);
+  TissueSurface surface(mesh, mesh.restPositions());
+  for (int cut = 1; cut <= 4; ++cut) {
+    PlaneCut plane;
+    plane.point_world = Eigen::Vector3d(0.003, 0.001 * cut, -0.002);
+    plane.normal_world = Eigen::Vector3d(std::cos(cut), std::sin(cut), 0.3 * cut);
+    const CutResult result = cutMesh(mesh, mesh.restPositions(), plane, CuttingConfig(), cut);
+    ASSERT_EQ(result.status, CutStatus::kCut);
     const Eigen::Matrix3Xd positions = bend(mesh.restPositions(), 0.002 * cut);
     surface.update(mesh, result.change, positions);
+    surface.refit(mesh, positions);
     EXPECT_GT(compare(mesh, positions, surface, TissueSurface(mesh, positions), 20 + cut), 200u);
   }
 }

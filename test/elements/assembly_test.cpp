@@ -210,6 +210,44 @@ TEST(Assembly, FollowsACutAsIfMadeAnew) {
   }
 }
 
+TEST(Assembly, FollowsManySmallCutsAsIfMadeAnew) {
+  // Room that cells have left behind is used up again and again on the way.
+  PolyhedralMesh mesh = makeTets();
+  Assembly assembly(mesh, kMaterial, {}, 0);
+  std::mt19937 engine(9);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  int num_cuts = 0;
+  for (int i = 0; i < 30; ++i) {
+    const Eigen::Vector3d centre(0.2 * uniform(engine), 0.1 * uniform(engine), 0.1 * uniform(engine));
+    const Eigen::Matrix3d turn =
+        Eigen::Quaterniond(uniform(engine), uniform(engine), uniform(engine), 1).normalized().matrix();
+    PolygonCut square;
+    square.corners_world.resize(3, 4);
+    square.corners_world << -1, 1, 1, -1, -1, -1, 1, 1, 0, 0, 0, 0;
+    square.corners_world = ((0.04 * turn * square.corners_world).colwise() + centre).eval();
+    const CutResult result = cutMesh(mesh, mesh.restPositions(), square, CuttingConfig(), i + 1);
+    if (result.status != CutStatus::kCut) continue;
+    ++num_cuts;
+    assembly.update(mesh, result.change);
+    const Eigen::Matrix3Xd positions = shake(mesh, 1e-4, i);
+    assembly.linearise(positions);
+    Blocks blocks, blocks_anew;
+    assembly.assemble(2, 3, blocks);
+    Eigen::Matrix3Xd forces, forces_anew;
+    assembly.internalForces(positions, forces);
+    Assembly anew(mesh, kMaterial, {}, 0);
+    anew.linearise(positions);
+    anew.assemble(2, 3, blocks_anew);
+    anew.internalForces(positions, forces_anew);
+    ASSERT_EQ(assembly.pattern().row, anew.pattern().row);
+    ASSERT_EQ(blocks, blocks_anew) << i;
+    ASSERT_EQ(forces, forces_anew) << i;
+    ASSERT_EQ(assembly.vertexMasses(), anew.vertexMasses());
+    ASSERT_EQ(assembly.elasticEnergy(positions), anew.elasticEnergy(positions));
+  }
+  EXPECT_GT(num_cuts, 15);
+}
+
 TEST(Assembly, ACutKeepsTheKindOfItsCells) {
   PolyhedralMesh mesh = makeHexes();
   const auto kindAt = [&](CellId cell) {

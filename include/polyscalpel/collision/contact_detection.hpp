@@ -35,15 +35,16 @@ class TissueSurface {
   TissueSurface(TissueSurface&&) noexcept;
   TissueSurface& operator=(TissueSurface&&) noexcept;
 
-  /// Follows a change of the mesh: only the touched patches are rebuilt. positions: of the changed mesh.
+  /// Follows a change of the mesh: the touched patches are rebuilt, with these positions of the changed mesh;
+  /// all others stay as they were last refitted.
   void update(const PolyhedralMesh& mesh, const MeshChange& change,
               const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
   /// Follows a motion of the vertices.
   void refit(const PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
-  /// Contacts with gap < margin_m, in a reproducible order (by face, then triangle). positions as in the last
-  /// refit.
+  /// Contacts with gap < margin_m, in a reproducible order (by face, then triangle). positions: those
+  /// of every patch, so refit() comes first where vertices have moved.
   std::vector<Contact> findContacts(const PolyhedralMesh& mesh,
                                     const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
                                     const ToolShape& shape, const Eigen::Isometry3d& T_world_tool,

@@ -2,6 +2,9 @@
 //
 // Which edges of the mesh a blade's surface crosses, in deformed space. A mesh edge is straight in both
 // shapes, so a crossing is the pair (edge, weight) and neighbours agree on it without any search.
+//
+// Each search takes a tree of the mesh's cells that is fitted to the positions. It decides nothing: the
+// answers are the same with an empty tree, by which every cell is looked at.
 #pragma once
 
 #include <optional>
@@ -11,18 +14,19 @@
 
 #include "polyscalpel/cutting/crossings.hpp"
 #include "polyscalpel/cutting/cut_mesh.hpp"
+#include "polyscalpel/mesh/cell_tree.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
 
 namespace polyscalpel {
 
 /// Edges that the plane separates, ascending. positions: 3 x n [m].
-std::vector<Hit> findHits(const PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
-                          const PlaneCut& plane);
+std::vector<Hit> findHits(const PolyhedralMesh& mesh, const CellTree& tree,
+                          const Eigen::Ref<const Eigen::Matrix3Xd>& positions, const PlaneCut& plane);
 
 /// Edges through the inside of a simple polygon, ascending: those that the fan of triangles around its first
 /// corner winds around once, which also serves outlines that are not convex.
-std::vector<Hit> findHits(const PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
-                          const PolygonCut& polygon);
+std::vector<Hit> findHits(const PolyhedralMesh& mesh, const CellTree& tree,
+                          const Eigen::Ref<const Eigen::Matrix3Xd>& positions, const PolygonCut& polygon);
 
 /// Motion of a blade and of the tissue around it over one step.
 struct BladeMotion {
@@ -41,8 +45,12 @@ Eigen::Isometry3d interpolate(const Eigen::Isometry3d& T_start, const Eigen::Iso
 /// are summed, so that a blade carried along by the tissue cuts nothing. Sub-steps are no longer than
 /// max_travel * localSize, and are halved, at most 8 times, while an edge is hit an even number of times.
 /// Nothing where that takes more than kMostSubSteps.
-std::optional<std::vector<Hit>> findHits(const PolyhedralMesh& mesh, const BladeMotion& motion,
-                                         double max_travel);
+std::optional<std::vector<Hit>> findHits(const PolyhedralMesh& mesh, const CellTree& tree,
+                                         const BladeMotion& motion, double max_travel);
+
+/// Box around all that the blade may reach in the motion.
+Eigen::AlignedBox3d reachOf(const Eigen::Matrix3Xd& edge_tool, const Eigen::Isometry3d& T_world_tool_start,
+                            const Eigen::Isometry3d& T_world_tool_end);
 
 /// Whether the blade's edge, in its pose, comes nearer to a cell's bounding box than margin * (smallest
 /// localSize of its vertices).
@@ -50,7 +58,8 @@ bool isBladeAt(const PolyhedralMesh& mesh, CellId cell, const Eigen::Ref<const E
                const Eigen::Ref<const Eigen::Matrix3Xd>& blade_world, double margin);
 
 /// Whether isBladeAt holds for any cell.
-bool isBladeInTissue(const PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+bool isBladeInTissue(const PolyhedralMesh& mesh, const CellTree& tree,
+                     const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
                      const Eigen::Ref<const Eigen::Matrix3Xd>& blade_world, double margin);
 
 }  // namespace polyscalpel

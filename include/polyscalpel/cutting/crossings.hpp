@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
-#include <map>
 #include <set>
 #include <unordered_map>
 #include <utility>
 #include <vector>
+
+#include <boost/container/flat_set.hpp>
 
 #include "polyscalpel/mesh/mesh_change.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
@@ -17,6 +20,15 @@ namespace polyscalpel {
 using Edge = std::pair<VertexId, VertexId>;
 
 Edge makeEdge(VertexId a, VertexId b);
+
+struct EdgeHash {
+  std::size_t operator()(const Edge& edge) const noexcept {
+    // Ids are dense: an odd factor spreads them over the buckets.
+    const auto first = static_cast<std::uint64_t>(edge.first.index());
+    return static_cast<std::size_t>(
+        (first << 32 | static_cast<std::uint64_t>(edge.second.index())) * 0x9E3779B97F4A7C15u >> 16);
+  }
+};
 
 /// The blade's surface through an edge.
 struct Hit {
@@ -59,6 +71,9 @@ class Crossings {
   /// Moves the crossings at a vertex into the vertex. side: that on which it lies, +1 or -1.
   void snap(const PolyhedralMesh& mesh, VertexId vertex, int side);
 
+  /// Snaps a vertex that another cut has made, where an edge of it is crossed within the snap distance.
+  void snapNear(const PolyhedralMesh& mesh, VertexId vertex, double snap_tolerance);
+
   /// Records that a crossed edge has got a vertex where it was crossed.
   void recordSplitEdge(const PolyhedralMesh& mesh, Edge edge, VertexId middle);
 
@@ -96,7 +111,7 @@ class Crossings {
   /// The faces around the vertex need not be looked at again.
   void release(VertexId vertex) { open_vertices_.erase(vertex); }
 
-  const std::map<Edge, CrossedEdge>& edges() const { return edges_; }
+  const std::unordered_map<Edge, CrossedEdge, EdgeHash>& edges() const { return edges_; }
   bool isEmpty() const { return edges_.empty() && snaps_.empty(); }
   void clear();
 
@@ -111,11 +126,11 @@ class Crossings {
   };
   struct Part {
     int side = 0;
-    int time = 0;                ///< of the split
-    std::set<VertexId> settled;  ///< corners of its caps
+    int time = 0;                                  ///< of the split
+    boost::container::flat_set<VertexId> settled;  ///< corners of its caps
   };
 
-  std::map<Edge, CrossedEdge> edges_;
+  std::unordered_map<Edge, CrossedEdge, EdgeHash> edges_;
   std::unordered_map<VertexId, Snap> snaps_;
   std::unordered_map<CellId, Part> parts_;
   std::set<VertexId> open_vertices_;

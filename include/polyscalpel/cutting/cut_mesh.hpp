@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "polyscalpel/mesh/mesh_change.hpp"
+#include "polyscalpel/mesh/mesh_index.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
 
 namespace polyscalpel {
@@ -20,7 +21,9 @@ struct CuttingConfig {
       0.05;  ///< tau in [1e-6, 0.2]: a crossing nearer than tau h to a vertex goes through the vertex
   double hold_back =
       0.5;  ///< in [0, 2]: a cell splits once the blade has left its bounding box by this times h
-  double max_travel = 0.25;  ///< in [1e-3, 1]: the blade's travel in one sub-step, times h
+  double max_travel = 0.25;           ///< in [1e-3, 1]: the blade's travel in one sub-step, times h
+  double close_front_after_s = 0.05;  ///< in [0, 1e6] [s]: a blade within the tissue that has not moved for
+                                      ///< so long has the slit reach it
   double fracture_toughness_j_m2 =
       0;  ///< in [0, 1e5]: energy per new cut area, felt by the tool as resistance
   /// In [0, inf): a cut's pieces of a smaller rest volume are taken away, but never the largest piece of the
@@ -88,15 +91,20 @@ struct CutResult {
 /// finite or above kLargestCoordinate_m, zero normal, fewer than 3 corners or more than kMostCorners, corners
 /// not in one plane (1e-3 of their extent), a repeated or self-crossing outline, a blade without length or
 /// with a repeated point, fewer than two poses, a pose that is no rigid motion.
+///
+/// index: of the mesh, its tree fitted to the positions or empty; it follows the cut. Without one the cut
+/// looks at every cell.
 CutResult cutMesh(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
-                  const CutOperation& operation, const CuttingConfig& config, int cut);
+                  const CutOperation& operation, const CuttingConfig& config, int cut,
+                  MeshIndex* index = nullptr);
 
 /// Several cuts as one transaction, each through what the ones before it left: all of them are made, numbered
 /// cut, cut + 1 ..., or the mesh is as it was. All are looked at before the first is made; one that is no cut
 /// throws, as does an empty list, and one that changes nothing ends the transaction with its status and says
 /// which it was.
 CutResult cutMesh(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
-                  const std::vector<CutOperation>& operations, const CuttingConfig& config, int cut);
+                  const std::vector<CutOperation>& operations, const CuttingConfig& config, int cut,
+                  MeshIndex* index = nullptr);
 
 /// One blade moving through moving tissue: remembers crossed edges and splits each cell once the blade has
 /// left it.
@@ -112,18 +120,21 @@ class BladeCut {
   /// Moves tissue and blade from their start to their end and splits what the blade has passed and left.
   /// Positions are 3 x numVertices(); the mesh may have got new vertices between two calls (see update()). A
   /// motion that is too long is refused and ends the stroke.
+  /// index: as in cutMesh(), its tree fitted to both positions.
   CutResult advance(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions_start,
                     const Eigen::Ref<const Eigen::Matrix3Xd>& positions_end,
                     const Eigen::Isometry3d& T_world_tool_start, const Eigen::Isometry3d& T_world_tool_end,
-                    int cut);
+                    int cut, MeshIndex* index = nullptr);
 
   /// Splits up to where the blade stands: what it has passed, whether or not it has left it, and the cells in
   /// which it stands, divided there (front_closure.hpp). The stroke goes on. Cells divided without being
   /// opened are not counted in CutResult::cells_split.
-  CutResult closeFront(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions, int cut);
+  CutResult closeFront(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions, int cut,
+                       MeshIndex* index = nullptr);
 
   /// Ends the stroke: closeFront(), then forgets what is still crossed.
-  CutResult finish(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions, int cut);
+  CutResult finish(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions, int cut,
+                   MeshIndex* index = nullptr);
 
   /// Forgets everything remembered, without cutting.
   void forget();
@@ -133,6 +144,9 @@ class BladeCut {
 
   struct Impl;
 
+  /// How far the last advance() has moved the blade relative to the tissue, in localSize near it; 0 while it
+  /// has crossed nothing.
+  double travelInSizes() const;
   /// Edges remembered as crossed and not yet split.
   int numPending() const;
   /// Whether a stroke is under way: the blade has crossed an edge and has not left the tissue since.

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "polyscalpel/cutting/crossings.hpp"
+#include "polyscalpel/mesh/cell_tree.hpp"
 #include "polyscalpel/mesh/mesh_editing.hpp"
 
 namespace polyscalpel {
@@ -22,7 +23,7 @@ struct BladeFront {
 /// to such a plane than the snap distance is taken to lie in it, so the front ends within that distance of
 /// the blade. positions: 3 x n [m], deformed; gets columns for the new vertices. Returns the number of cells
 /// divided.
-int closeFront(MeshEditor& editor, Crossings& crossings, Eigen::Matrix3Xd& positions, const BladeFront& front,
-               double snap_tolerance);
+int closeFront(MeshEditor& editor, CellTree& tree, Crossings& crossings, Eigen::Matrix3Xd& positions,
+               const BladeFront& front, double snap_tolerance);
 
 }  // namespace polyscalpel

@@ -45,7 +45,7 @@ class Assembly {
            double mass_floor);
 
   /// Follows a change of the mesh: matrices are made for new and changed cells only, which take their
-  /// parents' kinds; the pattern is made anew.
+  /// parents' kinds and are linearised around their rest shape; the pattern is made anew.
   void update(const PolyhedralMesh& mesh, const MeshChange& change);
 
   int numVertices() const { return pattern_.numVertices(); }
@@ -100,7 +100,7 @@ class Assembly {
   const ElementMatrices& elementMatrices(CellId cell) const { return elements_[cell.index()]; }
 
  private:
-  // Cells that are alive, ascending, with their data side by side.
+  // Cells that are alive, ascending, with their data side by side, most in the same order.
   struct PackedCell {
     int cell = 0;
     int kind = 0;
@@ -113,6 +113,10 @@ class Assembly {
 
   void makeCell(const PolyhedralMesh& mesh, int cell);
   void pack(const PolyhedralMesh& mesh);
+  void repack(const PolyhedralMesh& mesh, const MeshChange& change);
+  void makeRoom(int num_vertices, int num_blocks);
+  void packCell(const PolyhedralMesh& mesh, CellId id, PackedCell& cell);
+  void makeWorkspace();
   void makePattern();
   void makeMasses();
   void applyMassFloor();
@@ -138,12 +142,15 @@ class Assembly {
   Eigen::Matrix3Xd rest_offsets_;  // X of all cells side by side, relative to the cell's first vertex
   std::vector<int>
       cell_blocks_;  // lower triangle, row by row: block of local vertices (0,0) (1,0) (1,1) (2,0) ...
+  int num_packed_vertices_ = 0;  // places in use or left behind, of cell_vertices_, gradients_, rest_offsets_
+  int num_left_vertices_ = 0;    // of these, left behind by cells that were removed or changed
+  int num_packed_blocks_ = 0;    // places in use or left behind, of cell_blocks_
   BlockPattern pattern_;
   Eigen::VectorXd vertex_masses_;
   std::vector<double> block_masses_;  // by block [kg]: entry m_ij of M
   double moved_mass_ = 0;
 
-  std::vector<CellLinearisation> linearisations_;  // by packed cell
+  std::vector<CellLinearisation> linearisations_;  // by cell id
   int largest_cell_ = 0;                           // most vertices of a cell
   CellWorkspace work_{0};
   Eigen::Matrix3Xd gathered_, cell_forces_;

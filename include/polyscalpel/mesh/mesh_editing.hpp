@@ -2,9 +2,7 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "polyscalpel/mesh/mesh_change.hpp"
@@ -63,24 +61,20 @@ class MeshEditor {
   MeshChange commit();
 
  private:
-  struct OldFace {
-    FaceId id;
-    std::optional<Face> face;  ///< nothing: the face did not exist
+  /// One entry of the journal. What a face, a cell or the faces around a vertex were before an edit is kept
+  /// as plain numbers in one array, since a cut touches hundreds of them.
+  struct Undo {
+    enum class Kind { kOldFace, kOldCell, kOldVertexFaces, kNewFace, kNewCell, kNewVertex, kRetiredVertex };
+    Kind kind;
+    int id = 0;
+    std::size_t saved = 0;  ///< where its numbers start in saved_
   };
-  struct OldCell {
-    CellId id;
-    std::optional<Cell> cell;  ///< nothing: the cell did not exist
-  };
-  struct OldVertexFaces {
-    VertexId id;
-    std::vector<FaceId> faces;
-  };
-  struct AddedVertex {};
-  struct RetiredVertex {
-    VertexId id;
-  };
-  using Undo = std::variant<OldFace, OldCell, OldVertexFaces, AddedVertex, RetiredVertex>;
 
+  void note(Undo::Kind kind, int id) { journal_.push_back({kind, id, saved_.size()}); }
+  template <class T>
+  void save(const std::vector<T>& values);
+  template <class T>
+  const int* restore(const int* saved, std::vector<T>& values);
   Face& touchFace(FaceId id);
   Cell& touchCell(CellId id);
   std::vector<FaceId>& touchVertexFaces(VertexId id);
@@ -92,6 +86,7 @@ class MeshEditor {
 
   PolyhedralMesh& mesh_;
   std::vector<Undo> journal_;
+  std::vector<int> saved_;
   std::vector<NewVertex> new_vertices_;
   std::vector<CellId> parents_;  ///< of the cells from first_new_cell_ on, the cell that was split
   int first_new_cell_ = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
@@ -90,6 +91,10 @@ class PolyhedralMesh {
   /// The edges of a cell as (smaller id, larger id), ascending, each once.
   std::vector<std::pair<VertexId, VertexId>> edges(CellId id) const;
 
+  /// Calls visit(smaller id, larger id) for each of them once, in no particular but reproducible order.
+  template <class Visit>
+  void forEachEdge(CellId id, const Visit& visit) const;
+
  private:
   friend class MeshEditor;
 
@@ -101,6 +106,20 @@ class PolyhedralMesh {
   std::vector<Cell> cells_;
   int num_cells_ = 0;
 };
+
+template <class Visit>
+void PolyhedralMesh::forEachEdge(CellId id, const Visit& visit) const {
+  for (const FaceId face_id : cell(id).faces) {
+    const Face& at = face(face_id);
+    // The two faces of the cell at an edge run along it in opposite directions, seen from outside.
+    const bool is_outward = at.cells[0] == id;
+    VertexId from = at.loop.back();
+    for (const VertexId to : at.loop) {
+      if ((from < to) == is_outward) visit(std::min(from, to), std::max(from, to));
+      from = to;
+    }
+  }
+}
 
 /// Connected components of the cells under "share a face". Returns one number in [0, count) for each cell id
 /// (-1 where the cell has been removed), numbered by their smallest cell id, and the count.

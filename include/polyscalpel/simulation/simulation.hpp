@@ -111,6 +111,7 @@ class Simulation {
   const Eigen::Matrix3Xd& positions() const;
   /// 3 x n [m/s].
   const Eigen::Matrix3Xd& velocities() const;
+  /// Numbered as PieceTracker says: a piece that is not divided keeps its number.
   const Pieces& pieces() const;
   /// One entry a piece, by its number in pieces(). Valid until the next step, cut or reset.
   const std::vector<PieceProperties>& pieceTable() const;

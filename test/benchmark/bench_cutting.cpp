@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <random>
+
+#include <benchmark/benchmark.h>
+#include <malloc.h>
+
+#include "benchmark/bench_rows.hpp"
+#include "polyscalpel/collision/contact_detection.hpp"
+#include "polyscalpel/cutting/blade_sweep.hpp"
+#include "polyscalpel/cutting/cut_mesh.hpp"
+#include "polyscalpel/elements/element_formulation.hpp"
+#include "polyscalpel/mesh/mesh_generation.hpp"
+#include "polyscalpel/mesh/surface.hpp"
+
+namespace polyscalpel::bench {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+constexpr int kRepetitions = 15;
+
+/// Seconds of this thread's own work since it was made or last asked: on a machine that others use too, the
+/// wall clock tells how busy they are. All that is measured here runs in one thread.
+class StopWatch {
+ public:
+  double lap() {
+    const double now = threadTime();
+    const double seconds = now - last_;
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  static double threadTime() {
+    timespec time;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  }
+  double last_ = threadTime();
+};
+
+/// Everything beside a mesh that a cut refreshes, but the assembled system.
+class Body {
+ public:
+  explicit Body(const PolyhedralMesh& rest)
+      : mesh(rest),
+        positions(rest.restPositions()),
+        index(mesh),
+        surface(mesh, positions),
+        formulation_(onePoint()) {
+    index.tree.fit(mesh, positions);
+  }
+
+  /// Matrices of the new and changed cells and the collision surface. Returns the seconds of each.
+  std::pair<double, double> follow(const MeshChange& change) {
+    StopWatch watch;
+    extendByNewVertices(change.new_vertices, positions);
+    const auto make = [&](CellId cell) {
+      benchmark::DoNotOptimize(
+          formulation_.makeMatrices(makeCellSurface(mesh, cell, mesh.restPositions()), {}));
+    };
+    for (const CellId cell : change.changed_cells) make(cell);
+    for (const NewCell& cell : change.new_cells) make(cell.cell);
+    const double matrices_s = watch.lap();
+    surface.update(mesh, change, positions);
+    return {matrices_s, watch.lap()};
+  }
+
+  PolyhedralMesh mesh;
+  Matrix3Xd positions;
+  MeshIndex index;
+  TissueSurface surface;
+
+ private:
+  static ElementConfig onePoint() {
+    ElementConfig config;
+    config.quadrature_points = 1;
+    return config;
+  }
+  CellFormulation formulation_;
+};
+
+struct Box {
+  Vector3d centre, half;
+};
+
+Box boxOf(const PolyhedralMesh& mesh) {
+  const Vector3d lowest = mesh.restPositions().rowwise().minCoeff();
+  const Vector3d highest = mesh.restPositions().rowwise().maxCoeff();
+  return {0.5 * (lowest + highest), 0.5 * (highest - lowest)};
+}
+
+/// An oblique plane from above down to the middle of the body, along no face of a generated mesh.
+PolygonCut halfPlane(const PolyhedralMesh& mesh) {
+  const auto [centre, half] = boxOf(mesh);
+  const double reach = 2 * half.norm();
+  const Vector3d along = Vector3d(0.31, 1, 0.07).normalized();
+  const Vector3d up = Vector3d(0.05, -0.06, 1).cross(along).cross(along).normalized() * -1;
+  const Vector3d middle = centre + 0.013 * half;
+  PolygonCut cut;
+  cut.corners_world.resize(3, 4);
+  cut.corners_world << middle - reach * along, middle + reach * along, middle + reach * (along + up),
+      middle + reach * (up - along);
+  return cut;
+}
+
+void halfPlaneRow(benchmark::State& state, const PolyhedralMesh& rest) {
+  const PolygonCut cut = halfPlane(rest);
+  double cut_s = 0, matrices_s = 0, surface_s = 0;
+  for (auto _ : state) {
+    Body body(rest);
+    StopWatch watch;
+    const CutResult result = cutMesh(body.mesh, body.positions, cut, {}, 1, &body.index);
+    cut_s = watch.lap();
+    std::tie(matrices_s, surface_s) = body.follow(result.change);
+    state.SetIterationTime(cut_s + matrices_s + surface_s);
+    state.counters["cells"] = rest.numCells();
+    state.counters["cells_split"] = result.cells_split;
+    state.counters["pieces"] = result.pieces_after;
+  }
+  state.counters["cut_ms"] = 1e3 * cut_s;
+  state.counters["matrices_ms"] = 1e3 * matrices_s;
+  state.counters["surface_ms"] = 1e3 * surface_s;
+}
+
+double medianSize(const PolyhedralMesh& mesh) {
+  std::vector<double> sizes;
+  for (int i = 0; i < mesh.numVertices(); ++i) sizes.push_back(mesh.localSize(VertexId(i)));
+  std::nth_element(sizes.begin(), sizes.begin() + sizes.size() / 2, sizes.end());
+  return sizes[sizes.size() / 2];
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
+}
+
+/// A short blade is drawn level through the top of the body; the row's time is the median of its steps that
+/// split something.
+void progressiveRow(benchmark::State& state, const PolyhedralMesh& rest) {
+  const auto [centre, half] = boxOf(rest);
+  const double h = medianSize(rest);
+  Matrix3Xd edge(3, 2);
+  edge << 0, 0, 0, 0.05 * h, -2.5 * h, 2.5 * h;
+  const double step = 0.5 * h;
+  const int num_steps = static_cast<int>(2.4 * half.x() / step);
+  const auto pose = [&](int i) {
+    Isometry3d T = Isometry3d::Identity();
+    T.translation() = centre + Vector3d(-1.2 * half.x() + i * step, 0.31 * h, half.z() - 4.1 * h);
+    return T;
+  };
+  for (auto _ : state) {
+    Body body(rest);
+    BladeCut blade(edge, {});
+    std::vector<double> totals, cuts, matrices, surfaces, untouched, splits, touched;
+    for (int i = 0; i < num_steps; ++i) {
+      StopWatch watch;
+      body.index.tree.fit(body.mesh, body.positions);
+      const CutResult result =
+          blade.advance(body.mesh, body.positions, body.positions, pose(i), pose(i + 1), 1, &body.index);
+      const double cut_s = watch.lap();
+      if (result.status != CutStatus::kCut) {
+        untouched.push_back(cut_s);
+        continue;
+      }
+      const auto [matrices_s, surface_s] = body.follow(result.change);
+      cuts.push_back(cut_s);
+      matrices.push_back(matrices_s);
+      surfaces.push_back(surface_s);
+      totals.push_back(cut_s + matrices_s + surface_s);
+      splits.push_back(result.cells_split);
+      touched.push_back(result.change.removed_cells.size() + result.change.changed_cells.size());
+    }
+    if (totals.empty() || untouched.empty()) {
+      state.SkipWithError("the blade did not cut");
+      return;
+    }
+    state.SetIterationTime(median(totals));
+    state.counters["cut_ms"] = 1e3 * median(cuts);
+    state.counters["matrices_ms"] = 1e3 * median(matrices);
+    state.counters["surface_ms"] = 1e3 * median(surfaces);
+    state.counters["untouched_ms"] = 1e3 * median(untouched);
+    state.counters["slowest_ms"] = 1e3 * *std::max_element(totals.begin(), totals.end());
+    state.counters["cells_split"] = median(splits);
+    state.counters["cells_touched"] = median(touched);
+    state.counters["cells"] = rest.numCells();
+  }
+}
+
+/// Small flat blades at random places of a ball.
+void manyRow(benchmark::State& state) {
+  const int num_cuts = static_cast<int>(state.range(0));
+  const PolyhedralMesh rest = makeTetBall(Vector3d::Zero(), 1, 6);
+  const double h = medianSize(rest);
+  for (auto _ : state) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    const auto somewhere = [&] { return Vector3d(uniform(random), uniform(random), uniform(random)); };
+    const std::size_t before = mallinfo2().uordblks;
+    PolyhedralMesh mesh = rest;
+    MeshIndex index(mesh);
+    Matrix3Xd positions = mesh.restPositions();
+    index.tree.fit(mesh, positions);
+    double seconds = 0;
+    int splits = 0, left_whole = 0;
+    for (int i = 0; i < num_cuts; ++i) {
+      const Vector3d centre = 0.8 * somewhere(), u = 2.5 * h * somewhere().normalized();
+      const Vector3d v = 2.5 * h * u.cross(somewhere()).normalized();
+      PolygonCut cut;
+      cut.corners_world.resize(3, 4);
+      cut.corners_world << centre - u - v, centre + u - v, centre + u + v, centre - u + v;
+      StopWatch watch;
+      const CutResult result = cutMesh(mesh, positions, cut, {}, i + 1, &index);
+      extendByNewVertices(result.change.new_vertices, positions);
+      seconds += watch.lap();
+      splits += result.cells_split;
+      left_whole += result.cells_left_whole;
+    }
+    state.SetIterationTime(seconds);
+    state.counters["cut_ms"] = 1e3 * seconds / num_cuts;
+    state.counters["cells"] = mesh.numCells();
+    state.counters["cells_split"] = splits;
+    state.counters["cells_left_whole"] = left_whole;
+    state.counters["memory_mb"] = 1e-6 * static_cast<double>(mallinfo2().uordblks - before);
+  }
+}
+
+PlaneCut wholePlane(const PolyhedralMesh& mesh) {
+  return {boxOf(mesh).centre + 0.013 * boxOf(mesh).half, Vector3d(1, -0.31, 0.07)};
+}
+
+void geometryRow(benchmark::State& state, const PolyhedralMesh& rest) {
+  const PlaneCut plane = wholePlane(rest);
+  const Matrix3Xd positions = rest.restPositions();
+  std::size_t hits = 0;
+  CellTree tree;
+  tree.fit(rest, positions);
+  for (auto _ : state) hits = findHits(rest, tree, positions, plane).size();
+  PolyhedralMesh mesh = rest;
+  const int splits = cutMesh(mesh, positions, plane, {}, 1).cells_split;
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * splits);
+  state.counters["edges"] = static_cast<double>(hits);
+}
+
+void wholeRow(benchmark::State& state, const PolyhedralMesh& rest) {
+  const PlaneCut plane = wholePlane(rest);
+  const Matrix3Xd positions = rest.restPositions();
+  std::int64_t splits = 0;
+  for (auto _ : state) {
+    PolyhedralMesh mesh = rest;
+    MeshIndex index(mesh);
+    index.tree.fit(mesh, positions);
+    StopWatch watch;
+    splits += cutMesh(mesh, positions, plane, {}, 1, &index).cells_split;
+    state.SetIterationTime(watch.lap());
+  }
+  state.SetItemsProcessed(splits);
+}
+
+/// Registers a row on a mesh that is made when the row runs.
+template <class Row>
+auto* registerRow(const std::string& name, const BenchMesh& mesh, Row row) {
+  return benchmark::RegisterBenchmark((name + "/" + mesh.name).c_str(),
+                                      [mesh, row](benchmark::State& state) { row(state, mesh.make()); })
+      ->Unit(benchmark::kMillisecond)
+      ->Repetitions(kRepetitions)
+      ->ReportAggregatesOnly();
+}
+
+}  // namespace
+
+void registerCutting(const std::vector<BenchMesh>& meshes) {
+  for (const BenchMesh& mesh : meshes) {
+    registerRow("cut/half_plane", mesh, halfPlaneRow)->UseManualTime()->Iterations(1);
+    registerRow("cut/progressive", mesh, progressiveRow)->UseManualTime()->Iterations(1);
+    registerRow("split/geometry", mesh, geometryRow);
+    registerRow("split/whole", mesh, wholeRow)->UseManualTime()->Iterations(1);
+  }
+  benchmark::RegisterBenchmark("cut/many", manyRow)
+      ->Unit(benchmark::kMillisecond)
+      ->UseManualTime()
+      ->Iterations(1)
+      ->Arg(50)
+      ->Arg(100)
+      ->Arg(200)
+      ->Arg(400)
+      ->Arg(800);
+}
+
+}  // namespace polyscalpel::bench
