@@ -172,6 +172,11 @@ BladeCut& BladeCut::operator=(BladeCut&&) noexcept = default;
 CutResult BladeCut::advance(PolyhedralMesh& mesh, const Positions& positions_start,
                             const Positions& positions_end, const Isometry3d& T_world_tool_start,
                             const Isometry3d& T_world_tool_end, int cut) {
+  // Exact arithmetic has no value for what is not finite, and ends the program.
+  requireFinite("tool pose at the start", T_world_tool_start.matrix());
+  requireFinite("tool pose at the end", T_world_tool_end.matrix());
+  requireFinite("positions at the start", positions_start);
+  requireFinite("positions at the end", positions_end);
   const int pieces_before = impl_->countPieces(mesh);
   CutTransaction transaction(mesh, impl_->crossings, impl_->config, cut);
   bool has_left = false;
