@@ -36,6 +36,9 @@ std::vector<CutOperation> someCuts(const PolyhedralMesh& mesh, const std::vector
 }
 
 const std::vector<std::string> kAtOnce = {"plane", "polygon"};
+const std::vector<std::string> kStrokes = {"stroke straight through", "stroke curved through",
+                                           "stroke twisted at coarse steps", "stroke that stops inside",
+                                           "stroke in and out by another way"};
 
 std::vector<double> pieceVolumes(const PolyhedralMesh& mesh) {
   const Pieces pieces = findPieces(mesh);
@@ -111,6 +114,18 @@ TEST(RigidInvariance, MirroredMeshAndFlatBladeGiveAsManyOfEverything) {
       SCOPED_TRACE(seed);
       TortureRandom random(seed);
       const std::vector<CutOperation> cuts = someCuts(body, kAtOnce, random);
+      expectSameCounts(body, cuts, somePlacement(random, true));
+    }
+  }
+}
+
+TEST(RigidInvariance, StrokesGiveAsManyOfEverythingTurnedAndMirrored) {
+  for (const PolyhedralMesh& body : bodies()) {
+    for (unsigned seed = 1; seed <= 12; ++seed) {
+      SCOPED_TRACE(seed);
+      TortureRandom random(seed);
+      const std::vector<CutOperation> cuts = someCuts(body, kStrokes, random);
+      expectSameCounts(body, cuts, somePlacement(random, false));
       expectSameCounts(body, cuts, somePlacement(random, true));
     }
   }
