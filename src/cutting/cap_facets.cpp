@@ -15,6 +15,10 @@ using Eigen::Vector3d;
 /// rounding of the coordinates: what a plane that cuts a cell in rest shape leaves.
 constexpr double kPlanar = 1e-12;
 constexpr double kRoundings = 16;
+/// Triangulations are as good as each other within this part of their cost.
+constexpr double kTie = 1e-9;
+/// A sub-tet below this part of the largest counts as flat or folded.
+constexpr double kSmallestWorth = 1e-6;
 
 bool isPlanar(const Eigen::Matrix3Xd& points) {
   const Vector3d mean = points.rowwise().mean();
@@ -41,22 +45,33 @@ std::vector<std::vector<VertexId>> makeCapFacets(const PolyhedralMesh& mesh,
   for (int i = 0; i < n; ++i) points.col(i) = mesh.restPosition(cap_loop[i]);
   if (n == 3 || isPlanar(points)) return {cap_loop};
 
-  const auto worth = [&](int i, int j, int k) {
+  // Sixfold volume of the smaller sub-tet on a triangle, as part of the largest that may be.
+  const double largest = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).squaredNorm() *
+                         (apex_before - apex_behind).norm();
+  const auto costOf = [&](int i, int j, int k) {
     const Vector3d a = points.col(i), normal = (points.col(j) - a).cross(points.col(k) - a);
-    return std::min(normal.dot(a - apex_behind), normal.dot(apex_before - a));
+    const double worth = std::min(normal.dot(a - apex_behind), normal.dot(apex_before - a)) / largest;
+    if (worth > kSmallestWorth) return 1 / (worth * worth);
+    return (2 - worth / kSmallestWorth) / (kSmallestWorth * kSmallestWorth);
   };
-  // best(i, j): the largest worst triangle over all triangulations of the corners i ... j; apex(i, j): third
-  // corner of the triangle at the chord from i to j in that one.
-  Eigen::MatrixXd best = Eigen::MatrixXd::Constant(n, n, kInfinity);
+  // least(i, j): smallest cost of a triangulation of the corners i ... j; apex(i, j): third corner of the
+  // triangle at the chord from i to j in that one.
+  Eigen::MatrixXd least = Eigen::MatrixXd::Zero(n, n);
   Eigen::MatrixXi apex = Eigen::MatrixXi::Constant(n, n, -1);
   for (int width = 2; width < n; ++width) {
     for (int i = 0; i + width < n; ++i) {
       const int j = i + width;
-      best(i, j) = -kInfinity;
       for (int k = i + 1; k < j; ++k) {
-        const double worst = std::min({best(i, k), best(k, j), worth(i, k, j)});
-        if (apex(i, j) >= 0 && worst <= best(i, j)) continue;
-        best(i, j) = worst;
+        const double cost = least(i, k) + least(k, j) + costOf(i, k, j);
+        const int former = apex(i, j);
+        if (former >= 0) {
+          const double tie = kTie * least(i, j);
+          if (cost > least(i, j) + tie) continue;
+          // The same choice for four corners that run the other way round.
+          const bool is_tie = cost >= least(i, j) - tie;
+          if (is_tie && std::min(k - i, j - k) <= std::min(former - i, j - former)) continue;
+        }
+        least(i, j) = cost;
         apex(i, j) = k;
       }
     }

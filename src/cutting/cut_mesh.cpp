@@ -191,20 +191,39 @@ struct BladeCut::Impl {
       front = BladeFront{blade_world, Matrix3Xd::Zero(3, edge_tool.cols()), 0};
       travel_since = Matrix3Xd::Zero(3, edge_tool.cols());
     }
-    Eigen::Vector3d drift = Eigen::Vector3d::Zero();
+    // The tissue's own motion around the blade, as a rigid one. Where fewer than three vertices tell of it,
+    // the best fit may turn about what they leave open: a translation then.
     double size = kInfinity;
+    std::set<VertexId> around;
     for (const auto& [edge, crossed] : crossings.edges()) {
       for (const VertexId v : {edge.first, edge.second}) {
-        drift += motion.positions_end.col(v.index()) - motion.positions_start.col(v.index());
+        around.insert(v);
         size = std::min(size, mesh.localSize(v));
       }
     }
-    if (!crossings.edges().empty()) drift /= 2.0 * static_cast<double>(crossings.edges().size());
+    Isometry3d tissue = Isometry3d::Identity();
+    if (!around.empty()) {
+      Matrix3Xd from(3, around.size()), to(3, around.size());
+      Eigen::Index i = 0;
+      for (const VertexId v : around) {
+        from.col(i) = motion.positions_start.col(v.index());
+        to.col(i++) = motion.positions_end.col(v.index());
+      }
+      if (around.size() > 3) {
+        tissue.matrix() = Eigen::umeyama(from, to, false);
+      } else {
+        tissue.translation() = (to - from).rowwise().mean();
+      }
+    }
 
     // The direction in which the blade arrives, and the whole way.
     const Isometry3d T_late = interpolate(motion.T_world_tool_start, motion.T_world_tool_end, 1 - kLatePart);
-    travel_since += ((blade_world - T_late * edge_tool) / kLatePart).colwise() - drift;
-    const Matrix3Xd way = (blade_world - motion.T_world_tool_start * edge_tool).colwise() - drift;
+    const Matrix3Xd start_world = motion.T_world_tool_start * edge_tool;
+    const Matrix3Xd drift = tissue * start_world - start_world;
+    travel_since = tissue.linear() * travel_since;
+    front->travel_world = tissue.linear() * front->travel_world;
+    travel_since += (blade_world - T_late * edge_tool) / kLatePart - drift;
+    const Matrix3Xd way = blade_world - start_world - drift;
     if (!crossings.edges().empty()) last_size = size;
     last_travel_in_sizes = way.colwise().norm().maxCoeff() / last_size;
     front->blade_world = blade_world;
@@ -284,6 +303,11 @@ BladeCut& BladeCut::operator=(BladeCut&&) noexcept = default;
 CutResult BladeCut::advance(PolyhedralMesh& mesh, const Positions& positions_start,
                             const Positions& positions_end, const Isometry3d& T_world_tool_start,
                             const Isometry3d& T_world_tool_end, int cut, MeshIndex* index) {
+  // Exact arithmetic has no value for what is not finite, and ends the program.
+  requireFinite("tool pose at the start", T_world_tool_start.matrix());
+  requireFinite("tool pose at the end", T_world_tool_end.matrix());
+  requireFinite("positions at the start", positions_start);
+  requireFinite("positions at the end", positions_end);
   MeshTransaction whole(mesh, impl_->indexOf(mesh, index));
   CutTransaction transaction(whole, impl_->crossings, impl_->config, cut);
   bool has_left = false;

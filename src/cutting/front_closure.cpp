@@ -22,6 +22,10 @@ using Eigen::Vector3d;
 /// A blade that travels along itself, within this sine, sweeps no surface.
 constexpr double kSmallestSine = 0.05;
 
+/// Snap tolerance of the planes that close the front, as part of that of the cut: the front is to end within
+/// the latter, whose crossings may lie as far off.
+constexpr double kFrontSnap = 0.5;
+
 struct Plane {
   Vector3d point, normal;
 };
@@ -201,7 +205,7 @@ int closeFront(MeshEditor& editor, CellTree& tree, Crossings& crossings, Matrix3
         });
     std::sort(near.begin(), near.end());
     const std::size_t savepoint = editor.savepoint();
-    SegmentFront segment(editor, crossings, positions, snap_tolerance);
+    SegmentFront segment(editor, crossings, positions, kFrontSnap * snap_tolerance);
     count += segment.close(near, front, i, i == 0, i + 1 == num_segments);
     if (editor.savepoint() > savepoint) tree.update(editor.mesh(), editor.changeSince(savepoint));
   }

@@ -94,6 +94,22 @@ bound; where *we lose*, the row says what happens instead. `./run test` holds a 
         [("case", "case", "s"), ("what_happens", "what happens", "s"), ("limit", "where it stops holding", "s"),
          ("quantity", "value is", "s"), ("value", "value", "g"), ("bound", "bound", "g"), ("outcome", "outcome", "s")],
         "Cases that nobody has thought of."),
+    "torture": (
+        "Random torture of the cutting kernel",
+        """Random cuts of fixed seed, 25 one after the other on a fresh body (10 on the bunny), so that most go over earlier
+cuts; one in four through a smoothly deformed body, so that caps are bent; half of the strokes progressive, half at once. After
+every cut every invariant of the mesh is checked, and the pieces are counted by a flood fill of our own. *Left whole*: cells
+that a blade passed and no fallback could split soundly. *Invalid*: cuts after which an invariant did not hold. *Missing*:
+parts on the two sides of a cut that passes through everything, each further from it than the snap distance, that still hang
+together. *Torn*: parts of a convex body that no plane separates, and that are apart all the same; or what comes apart where a
+cut is repeated. *Volume*: largest error of the whole body's volume after any cut, relative. *Shortest edge*: rest length by
+the size of the uncut mesh there.""",
+        [("mesh", "mesh", "s"), ("kind", "kind", "s"), ("cuts", "cuts", "d"), ("splits", "splits", "d"),
+         ("left_whole", "left whole", "d"), ("left_whole_per_split", "a split", "e"), ("invalid", "invalid", "d"),
+         ("pieces_missing", "missing", "d"), ("pieces_torn", "torn", "d"), ("volume_error", "volume", "e"),
+         ("shortest_edge", "shortest edge [h]", "e")],
+        """Strokes that stop inside, cross themselves or touch a corner have no known number of pieces: there only the mesh is
+checked. Parts thinner than the snap distance may hang on to their neighbours by design."""),
 }
 
 

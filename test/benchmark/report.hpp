@@ -52,5 +52,6 @@ Rows studyIntegration(const Context& context);
 Rows studyStages(const Context& context);
 Rows studyPeers(const Context& context);
 Rows studyHardCases(const Context& context);
+Rows studyTorture(const Context& context);
 
 }  // namespace polyscalpel::report

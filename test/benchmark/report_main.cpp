@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Runs all sections of the report and writes their rows: polyscalpel_report --output report.json [options],
-// each option followed by its value. `./run report` calls it.
+// Runs all sections of the report, or with --only NAME one of them, and writes their rows: polyscalpel_report
+// --output report.json [options], each option followed by its value. `./run report` calls it.
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -26,7 +26,8 @@ const std::vector<Section> kSections = {{"formulations", studyFormulations},
                                         {"integration", studyIntegration},
                                         {"stages", studyStages},
                                         {"peers", studyPeers},
-                                        {"hard_cases", studyHardCases}};
+                                        {"hard_cases", studyHardCases},
+                                        {"torture", studyTorture}};
 
 Mode parseMode(const std::string& name) {
   if (name == "quick") return Mode::kQuick;

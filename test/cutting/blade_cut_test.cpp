@@ -164,6 +164,29 @@ TEST(BladeCut, BadBladesAreRefused) {
   EXPECT_THROW(BladeCut(edge, {}), std::invalid_argument);
 }
 
+TEST(BladeCut, MotionsThatAreNotFiniteAreRefusedAndTheStrokeGoesOn) {
+  Stroke stroke;
+  const auto still = [](double) { return at(0, 0, 0); };
+  stroke.move(
+      40, [](double s) { return at(-0.5 + s, 0.47); }, still);
+  const int cells = stroke.mesh.numCells(), pending = stroke.blade.numPending();
+  const Matrix3Xd positions = stroke.mesh.restPositions();
+  Matrix3Xd torn = positions;
+  torn(1, 3) = kInfinity;
+  const Isometry3d here = at(0.5, 0.47), nowhere = at(std::nan(""), 0.47);
+  EXPECT_THROW(stroke.blade.advance(stroke.mesh, positions, positions, here, nowhere, 9),
+               std::invalid_argument);
+  EXPECT_THROW(stroke.blade.advance(stroke.mesh, positions, positions, nowhere, here, 9),
+               std::invalid_argument);
+  EXPECT_THROW(stroke.blade.advance(stroke.mesh, positions, torn, here, here, 9), std::invalid_argument);
+  EXPECT_THROW(stroke.blade.advance(stroke.mesh, torn, positions, here, here, 9), std::invalid_argument);
+  EXPECT_EQ(stroke.mesh.numCells(), cells);
+  EXPECT_EQ(stroke.blade.numPending(), pending);
+  stroke.move(
+      40, [](double s) { return at(0.5 + s, 0.47); }, still);
+  EXPECT_EQ(stroke.pieces, 2);
+}
+
 TEST(CuttingConfig, BoundsAreHeld) {
   const auto check = [](double CuttingConfig::*field, double lowest, double highest) {
     CuttingConfig config;

@@ -340,7 +340,7 @@ TEST_F(MeshIo, RefusesInvertedAndFlatCellsWithNumberAndVolume) {
                        "cell 17 has zero volume: volume 0 m^3"));
   // A hexahedron of positive volume with a corner drawn through the opposite one.
   EXPECT_TRUE(contains(refusal("folded.msh", makeMsh2({"1 0 0 0", "2 1 0 0", "3 1 1 0", "4 0 1 0", "5 0 0 1",
-                                                       "6 1 0 1", "7 .1 .1 .1", "8 0 1 1"},
+                                                       "6 1 0 1", "7 -.3 -.3 -.3", "8 0 1 1"},
                                                       {"23 5 2 0 1 1 2 3 4 5 6 7 8"})),
                        "cell 23 is folded"));
 }

@@ -165,11 +165,20 @@ TEST(Surface, SubTetsOfACube) {
   const CellSurface surface = makeCellSurface(mesh, CellId(0), mesh.restPositions());
   EXPECT_TRUE(starCentre(surface).isApprox(Eigen::Vector3d(5.5, 5.5, 5.5), 1e-15));
   EXPECT_NEAR(smallestSubTetVolume(surface), 1.0 / 24, 1e-15);
+}
+
+TEST(Surface, StarCentreSeesADentedCellWholeButNoFoldedOne) {
+  const PolyhedralMesh mesh = makeHexBox({5, 5, 5}, {1, 1, 1}, {1, 1, 1});
+  for (const double corner : {5.9, 5.5, 5.3, 5.1}) {
+    Eigen::Matrix3Xd dented = mesh.restPositions();
+    dented.col(7).setConstant(corner);
+    EXPECT_GT(smallestSubTetVolume(makeCellSurface(mesh, CellId(0), dented)), 1e-3) << corner;
+  }
   Eigen::Matrix3Xd folded = mesh.restPositions();
-  folded.col(7) = Eigen::Vector3d(5.1, 5.1, 5.1);
-  const CellSurface folded_surface = makeCellSurface(mesh, CellId(0), folded);
-  EXPECT_GT(volume(folded_surface), 0);
-  EXPECT_LT(smallestSubTetVolume(folded_surface), 0);
+  folded.col(7).setConstant(4.7);
+  const CellSurface surface = makeCellSurface(mesh, CellId(0), folded);
+  EXPECT_GT(volume(surface), 0);
+  EXPECT_LT(smallestSubTetVolume(surface), 0);
 }
 
 }  // namespace

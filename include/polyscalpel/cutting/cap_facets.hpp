@@ -11,11 +11,10 @@
 namespace polyscalpel {
 
 /// Divides the outline of a cap into faces that are planar in rest shape, so that a later cut through them
-/// keeps the surface and with it the volume: a planar cap is one face, any other the triangulation whose
-/// worst triangle leaves the largest sub-tets on both sides (dynamic programming as of Gilbert 1979 and
-/// Klincsek 1980, here for the largest minimum). Loops run as cap_loop does, which is counter-clockwise seen
-/// from outside of the part that has its apex behind. apex_behind, apex_before: vertex means of the two parts
-/// [m].
+/// keeps the surface and with it the volume: a planar cap is one face, any other the triangulation that keeps
+/// the sub-tets on both sides large (least sum of inverse squares of their volumes, by dynamic programming as
+/// of Gilbert 1979 and Klincsek 1980). Loops run as cap_loop does, which is counter-clockwise seen from
+/// outside of the part that has its apex behind. apex_behind, apex_before: points inside the two parts [m].
 std::vector<std::vector<VertexId>> makeCapFacets(const PolyhedralMesh& mesh,
                                                  const std::vector<VertexId>& cap_loop,
                                                  const Eigen::Vector3d& apex_behind,

@@ -121,6 +121,8 @@ class BladeCut {
   /// Positions are 3 x numVertices(); the mesh may have got new vertices between two calls (see update()). A
   /// motion that is too long is refused and ends the stroke.
   /// index: as in cutMesh(), its tree fitted to both positions.
+  /// Throws std::invalid_argument for positions or poses that are not finite; mesh and stroke are as they
+  /// were.
   CutResult advance(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions_start,
                     const Eigen::Ref<const Eigen::Matrix3Xd>& positions_end,
                     const Eigen::Isometry3d& T_world_tool_start, const Eigen::Isometry3d& T_world_tool_end,
