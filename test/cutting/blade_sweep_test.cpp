@@ -106,8 +106,8 @@ void expectSearchesAgree(Patient& patient, Dice& dice, double start, double end,
   const Matrix3Xd x0 = patient.positionsAt(start), x1 = patient.positionsAt(end);
   Matrix3Xd edge(3, 3);
   edge << -0.3, 0, 0.3, 0, 0.1, 0, 0, 0, 0;
-  const Isometry3d T0 = Eigen::Translation3d(x0.rowwise().mean()) * dice.pose(0.8, 3),
-                   T1 = T0 * dice.pose(0.15, 0.4);
+  const Isometry3d T0 = Eigen::Translation3d(x0.rowwise().mean()) * dice.pose(1.5, 3),
+                   T1 = T0 * dice.pose(0.5, 1);
   CellTree& tree = patient.index.tree;
   tree.fit(mesh, x0, x1, reachOf(edge, T0, T1));
   ASSERT_FALSE(tree.isEmpty());
