@@ -36,7 +36,7 @@ Row toRow(const TortureRow& counted) {
   if (counted.kind == "all") {
     row["left_whole_per_split"] =
         counted.splits > 0 ? static_cast<double>(counted.left_whole) / counted.splits : 0;
-    holdAtMost(row, "volume_error", 1e-3);
+    holdAtMost(row, "volume_error", 1e-12);
   }
   return row;
 }

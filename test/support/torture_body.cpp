@@ -104,7 +104,7 @@ CutResult TortureBody::cutProgressively(const TortureCut& cut, const CuttingConf
   Matrix3Xd positions = positionsFor(cut);
   CutResult sum;
   const auto add = [&](const CutResult& result) {
-    if (sum.status != CutStatus::kCut) sum.status = result.status;
+    if (sum.status != CutStatus::kCut && sum.status != CutStatus::kRefused) sum.status = result.status;
     sum.cells_split += result.cells_split;
     sum.cells_left_whole += result.cells_left_whole;
     sum.cut_area_m2 += result.cut_area_m2;
@@ -218,6 +218,7 @@ TortureOutcome TortureBody::apply(const TortureCut& cut, const CuttingConfig& co
     outcome.violations.push_back(std::string("thrown: ") + error.what());
     return outcome;
   }
+  outcome.was_refused = result.status == CutStatus::kRefused;
   outcome.status = result.status;
   outcome.splits = result.cells_split;
   outcome.left_whole = result.cells_left_whole;
@@ -242,7 +243,7 @@ TortureOutcome TortureBody::apply(const TortureCut& cut, const CuttingConfig& co
   }
   if (cut.is_repeat && was_last_complete_) outcome.pieces_torn += std::abs(found - pieces_);
   pieces_ = found;
-  if (cut.separator) separators_.push_back({*cut.separator, cut.deformation});
+  if (cut.separator && !outcome.was_refused) separators_.push_back({*cut.separator, cut.deformation});
   are_all_planes_ = are_all_planes_ && is_plane;
   compareWithSeparators(config, outcome);
   if (outcome.pieces_missing > 0) forgetFailedSeparator(config);

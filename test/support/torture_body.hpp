@@ -52,7 +52,7 @@ struct TortureCut {
 /// What one cut did and what is wrong with the mesh after it.
 struct TortureOutcome {
   CutStatus status = CutStatus::kMissed;
-  bool was_refused = false;  ///< std::invalid_argument: no cut by its input
+  bool was_refused = false;  ///< no cut by its input, or a motion that is too long
   int splits = 0;
   int left_whole = 0;
   std::vector<std::string> violations;  ///< of checkMesh(), and of the counts of pieces
