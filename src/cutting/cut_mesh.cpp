@@ -209,7 +209,7 @@ struct BladeCut::Impl {
         from.col(i) = motion.positions_start.col(v.index());
         to.col(i++) = motion.positions_end.col(v.index());
       }
-      if (around.size() > 3) {
+      if (around.size() > 3 && from != to) {
         tissue.matrix() = Eigen::umeyama(from, to, false);
       } else {
         tissue.translation() = (to - from).rowwise().mean();
@@ -314,7 +314,10 @@ CutResult BladeCut::advance(PolyhedralMesh& mesh, const Positions& positions_sta
   impl_->move(transaction, mesh,
               {impl_->edge_tool, T_world_tool_start, T_world_tool_end, positions_start, positions_end},
               has_left);
-  CutResult result = whole.end(transaction.finish(has_left));
+  CutResult result = transaction.finish(has_left);
+  // What is remembered goes on from here, so divisions stay even where they were of no use.
+  if (whole.editor.savepoint() > 0) result.status = CutStatus::kCut;
+  result = whole.end(std::move(result));
   if (has_left) impl_->forget();
   return result;
 }
