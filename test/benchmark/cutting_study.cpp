@@ -125,6 +125,16 @@ Rows studyBody(const CutBody& body, const Context& context) {
     const double seconds = secondsOf([&, rule = rule] { tetrahedra = retessellate(body.mesh, rule); });
     variant.fixed = heldPoints(body, tetrahedra);
     variant.mesh = toMesh(tetrahedra);
+    // Where tetrahedra hang together by a vertex alone, the mesh has given them copies of it.
+    const auto points = variant.mesh.restPositions();
+    for (int copy = static_cast<int>(variant.fixed.size()); copy < variant.mesh.numVertices(); ++copy) {
+      Eigen::Index original = 0;
+      (points.leftCols(tetrahedra.points.cols()).colwise() - points.col(copy))
+          .colwise()
+          .squaredNorm()
+          .minCoeff(&original);
+      variant.fixed.push_back(variant.fixed[original]);
+    }
     variant.row["retessellation_ms"] = 1e3 * seconds;
     if (rule == Retessellation::kFewest) fewest = std::move(tetrahedra);
   }

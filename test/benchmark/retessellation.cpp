@@ -65,7 +65,7 @@ class Divider {
 
  private:
   struct Apex {
-    int vertex = -1;  // -1: the vertex mean
+    int vertex = -1;  // -1: a new one inside
     Eigen::Vector3d point;
   };
 
@@ -148,8 +148,7 @@ class Divider {
     const std::vector<Triangle> surface = surfaceOf(id);
     const std::vector<VertexId>& vertices = mesh_.cell(id).vertices;
     const bool is_tetrahedron = vertices.size() == 4 && surface.size() == 4;
-    Apex best{-1, Eigen::Vector3d::Zero()};
-    for (const VertexId vertex : vertices) best.point += points_[vertex.index()] / vertices.size();
+    Apex best{-1, starCentre(makeCellSurface(mesh_, id, mesh_.restPositions()))};
     if (rule_ == Retessellation::kMiddles && !is_tetrahedron) return best;
     double best_quality = worstQuality(surface, best);
     for (const VertexId vertex : vertices) {
