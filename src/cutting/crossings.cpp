@@ -197,6 +197,19 @@ void Crossings::recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& o
   }
 }
 
+void Crossings::recordOpenedEdge(const PolyhedralMesh& mesh, const std::vector<NewVertex>& new_vertices) {
+  const NewVertex& middle = new_vertices.front();
+  snaps_[middle.vertex];
+  for (const NewVertex& side : new_vertices) {
+    for (const CellId cell : cellsAround(mesh, side.vertex)) {
+      const auto part = parts_.find(cell);
+      if (part == parts_.end()) continue;
+      auto& settled = part->second.settled;
+      if (settled.count(middle.parents[0]) && settled.count(middle.parents[1])) settled.insert(middle.vertex);
+    }
+  }
+}
+
 void Crossings::recordDividedCells(const MeshChange& change) {
   for (const NewCell& cell : change.new_cells) {
     const auto part = parts_.find(cell.parent);

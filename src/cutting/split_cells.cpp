@@ -13,7 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "polyscalpel/core/checks.hpp"
-#include "polyscalpel/cutting/cap_facets.hpp"
+#include "polyscalpel/cutting/cell_split.hpp"
 #include "polyscalpel/geometry/predicates.hpp"
 #include "polyscalpel/mesh/mesh_checks.hpp"
 #include "polyscalpel/mesh/surface.hpp"
@@ -24,19 +24,10 @@ namespace {
 constexpr std::size_t kMostAbsorbed = 4;  ///< vertices of a thin component that may join the cut
 constexpr double kAbsorbDistance = 2;     ///< how far they may be from it, in snap distances
 
-/// A face's vertices in the cut are taken to be in line within this times localSize.
-constexpr double kSmallestFlap = 1e-3;
-
-/// Crossed edges and snapped corners may not leave a part of an edge shorter than this times its length:
-/// rounding.
-constexpr double kSmallestEdgePart = 1e-9;
-
 /// How often a cell that cannot be split soundly is divided first.
 constexpr int kMostDivisions = 3;
 /// Snap tolerance of the dividing plane, as part of that of the cut: such cells are small already.
 constexpr double kDivisionSnap = 0.1;
-
-using FaceParts = std::vector<std::pair<FaceId, std::pair<FaceId, FaceId>>>;
 
 /// The vertices of a cell that hang together through uncrossed edges; snapped vertices belong to none. Empty
 /// where there is but one such component, which is most often so.
@@ -84,191 +75,6 @@ std::vector<std::vector<VertexId>> findComponents(const PolyhedralMesh& mesh, co
                    [](const auto& a, const auto& b) { return a.size() < b.size(); });
   return components;
 }
-
-/// Divides one cell along the border of one component.
-class CellSplit {
- public:
-  CellSplit(MeshEditor& editor, const Crossings& crossings, CellId cell,
-            const std::vector<VertexId>& component)
-      : editor_(editor), crossings_(crossings), cell_(cell), component_(component.begin(), component.end()) {}
-
-  /// Divides the edges and faces that the border crosses. The mesh is to be rolled back by the caller where
-  /// this or divide() fails.
-  bool findBorder() {
-    splitCrossedEdges();
-    return splitFaces() && findCap();
-  }
-
-  /// Divides the cell along the border found, and checks what has been touched.
-  bool divide(int cut) {
-    const auto facets = makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false));
-    const auto split = editor_.splitCell(cell_, first_faces_, facets, cut);
-    first = split.first;
-    second = split.second;
-    cap = split.cap;
-    touched_.insert(first);
-    touched_.insert(second);
-    touched_.erase(cell_);
-    return std::all_of(touched_.begin(), touched_.end(), [&](CellId id) { return isSound(id); });
-  }
-
-  CellId first, second;
-  std::vector<FaceId> cap;
-  /// Side of the blade's surface on which the first part lies.
-  int firstSide() const { return side_votes_ >= 0 ? 1 : -1; }
-  /// The border, counter-clockwise seen from outside the first part.
-  const std::vector<VertexId>& capLoop() const { return cap_loop_; }
-  /// Vertices of the cap and of the faces that lie in its place.
-  const std::vector<VertexId>& capVertices() const { return cap_vertices_; }
-  const std::vector<std::pair<Edge, VertexId>>& splitEdges() const { return split_edges_; }
-  /// Faces that gave way to two parts each, in the order of dividing.
-  const FaceParts& splitFaceParts() const { return split_faces_; }
-
- private:
-  const PolyhedralMesh& mesh() const { return editor_.mesh(); }
-  bool isInComponent(VertexId v) const { return component_.count(v) > 0; }
-  bool isOnCut(VertexId v) const {
-    return middles_.count(v) || (!isInComponent(v) && crossings_.isSnapped(cell_, v));
-  }
-
-  void splitCrossedEdges() {
-    for (const Edge& edge : mesh().edges(cell_)) {
-      const bool first_in = isInComponent(edge.first), second_in = isInComponent(edge.second);
-      if (first_in == second_in || isOnCut(first_in ? edge.second : edge.first)) continue;
-      const Crossings::CrossedEdge* crossed = crossings_.find(cell_, edge);
-      POLYSCALPEL_ASSERT(crossed);
-      side_votes_ += first_in ? -crossed->sign : crossed->sign;
-      for (const CellId around : cellsAroundEdge(mesh(), edge.first, edge.second)) touched_.insert(around);
-      const double weight = std::clamp(crossed->weight, kSmallestEdgePart, 1 - kSmallestEdgePart);
-      const VertexId middle = editor_.splitEdge(edge.first, edge.second, weight);
-      middles_.insert(middle);
-      split_edges_.emplace_back(edge, middle);
-    }
-  }
-
-  /// Cuts the component's vertices off every face that also reaches beyond the cut.
-  bool splitFaces() {
-    std::vector<FaceId> pending = mesh().cell(cell_).faces;
-    while (!pending.empty()) {
-      const FaceId id = pending.back();
-      pending.pop_back();
-      const auto& loop = mesh().face(id).loop;
-      const std::size_t n = loop.size();
-      bool reaches_beyond = false;
-      std::size_t start = n;  // an entry on the cut that is followed by one of the component
-      for (std::size_t i = 0; i < n; ++i) {
-        reaches_beyond |= !isInComponent(loop[i]) && !isOnCut(loop[i]);
-        if (isOnCut(loop[i]) && isInComponent(loop[(i + 1) % n])) start = i;
-      }
-      if (start == n) continue;
-      std::size_t end = start + 1;
-      while (isInComponent(loop[end % n])) ++end;
-      if (!reaches_beyond && !hasFlap(loop, start, end)) continue;
-      if (!isOnCut(loop[end % n]) || end % n == start) return false;
-      if (!reaches_beyond) {
-        for (std::size_t i = end + 1; i % n != start; ++i) cap_vertices_.push_back(loop[i % n]);
-      }
-      for (const CellId around : mesh().face(id).cells) {
-        if (around.isValid()) touched_.insert(around);
-      }
-      const auto parts = editor_.splitFace(id, loop[start], loop[end % n]);
-      split_faces_.emplace_back(id, parts);
-      pending.push_back(parts.second);
-    }
-    return true;
-  }
-
-  /// Whether a face that has no vertex beyond the cut still reaches beyond the chord from its entry `end` to
-  /// its entry `start`: all further vertices are snapped, and not in line. The part beyond the chord then
-  /// lies in the cut, and belongs to the other part of the cell; kept in this part, it would lie on the cap.
-  bool hasFlap(const std::vector<VertexId>& loop, std::size_t start, std::size_t end) const {
-    const std::size_t n = loop.size();
-    if (!isOnCut(loop[end % n]) || end % n == start) return false;
-    const Eigen::Vector3d from = mesh().restPosition(loop[end % n]), to = mesh().restPosition(loop[start]);
-    const Eigen::Vector3d along = (to - from).normalized();
-    for (std::size_t i = end + 1; i % n != start; ++i) {
-      const double off = along.cross(mesh().restPosition(loop[i % n]) - from).norm();
-      if (off > kSmallestFlap * mesh().localSize(loop[i % n])) return true;
-    }
-    return false;
-  }
-
-  /// Chains the half-edges between the component's faces and the rest into the one loop that the cap must be.
-  bool findCap() {
-    boost::container::small_flat_map<Edge, int, 32> count;  // of the component's faces at an edge
-    for (const FaceId id : mesh().cell(cell_).faces) {
-      const auto& loop = mesh().face(id).loop;
-      if (std::none_of(loop.begin(), loop.end(), [&](VertexId v) { return isInComponent(v); })) continue;
-      first_faces_.push_back(id);
-      for (std::size_t i = 0; i < loop.size(); ++i) ++count[makeEdge(loop[i], loop[(i + 1) % loop.size()])];
-    }
-    if (first_faces_.empty() || first_faces_.size() == mesh().cell(cell_).faces.size()) return false;
-
-    boost::container::small_flat_map<VertexId, VertexId, 16>
-        next;  // against the faces' own direction: counter-clockwise for the cap
-    for (const FaceId id : first_faces_) {
-      const Face& face = mesh().face(id);
-      const bool is_outward = face.cells[0] == cell_;
-      for (std::size_t i = 0; i < face.loop.size(); ++i) {
-        VertexId from = face.loop[i], to = face.loop[(i + 1) % face.loop.size()];
-        if (count[makeEdge(from, to)] != 1) continue;
-        if (!is_outward) std::swap(from, to);
-        if (!isOnCut(from) || !isOnCut(to) || !next.emplace(to, from).second) return false;
-      }
-    }
-    if (next.size() < 3) return false;
-    VertexId at = next.begin()->first;
-    do {
-      cap_loop_.push_back(at);
-      const auto step = next.find(at);
-      if (step == next.end()) return false;
-      at = step->second;
-    } while (at != cap_loop_.front() && cap_loop_.size() <= next.size());
-    if (cap_loop_.size() != next.size()) return false;
-    cap_vertices_.insert(cap_vertices_.end(), cap_loop_.begin(), cap_loop_.end());
-
-    if (side_votes_ == 0) {
-      // No edge was crossed between its ends: the cap goes through snapped vertices alone.
-      for (const auto& [a, b] : mesh().edges(cell_)) {
-        if (next.count(a) && isInComponent(b)) side_votes_ += crossings_.sideOfNeighbour(a, b);
-        if (next.count(b) && isInComponent(a)) side_votes_ += crossings_.sideOfNeighbour(b, a);
-      }
-    }
-    return true;
-  }
-
-  /// Mean of the vertices that one part will have.
-  Eigen::Vector3d vertexMeanOfPart(bool is_first) const {
-    std::set<VertexId> vertices;
-    for (const FaceId id : mesh().cell(cell_).faces) {
-      const bool is_in_first = std::find(first_faces_.begin(), first_faces_.end(), id) != first_faces_.end();
-      if (is_in_first != is_first) continue;
-      vertices.insert(mesh().face(id).loop.begin(), mesh().face(id).loop.end());
-    }
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const VertexId v : vertices) sum += mesh().restPosition(v);
-    return sum / static_cast<double>(vertices.size());
-  }
-
-  bool isSound(CellId id) const {
-    const double size = mesh().localSize(id);
-    const CellSurface surface = makeCellSurface(mesh(), id, mesh().restPositions());
-    return smallestSubTetVolume(surface) > kSmallestRelativeSubTet * size * size * size;
-  }
-
-  MeshEditor& editor_;
-  const Crossings& crossings_;
-  CellId cell_;
-  // Ordered, and without an allocation for each of their few members.
-  boost::container::small_flat_set<VertexId, 16> component_;
-  boost::container::small_flat_set<VertexId, 16> middles_;
-  boost::container::small_flat_set<CellId, 32> touched_;
-  std::vector<std::pair<Edge, VertexId>> split_edges_;
-  FaceParts split_faces_;
-  std::vector<FaceId> first_faces_;
-  std::vector<VertexId> cap_loop_, cap_vertices_;
-  int side_votes_ = 0;
-};
 
 /// Area of a face [m^2] in the rest shape.
 double area(const PolyhedralMesh& mesh, FaceId id) {
@@ -331,12 +137,16 @@ class Splitter {
       if (sides < 0) caps_.insert(id);
     }
     std::set<VertexId> opened;
+    std::vector<FaceId> walls;
     for (const FaceId id : caps_) {
       counts.cap_area_m2 += area(mesh(), id);
       opened.insert(mesh().face(id).loop.begin(), mesh().face(id).loop.end());
-      editor_.openFace(id, cut_);
+      const auto [front, back] = editor_.openFace(id, cut_);
+      walls.push_back(front);
+      walls.push_back(back);
     }
     for (const VertexId vertex : opened) editor_.separateVertex(vertex);
+    openEdges(walls);
   }
 
   SplitCounts counts;
@@ -364,6 +174,28 @@ class Splitter {
       return true;
     }
     return false;
+  }
+
+  /// Where both ends of an edge within the slit lie on its front, the edge's two sides still share them, and
+  /// would stay shut. One at which a cell would become too thin does, and is never divided (CellSplit).
+  void openEdges(const std::vector<FaceId>& walls) {
+    std::set<Edge> edges;
+    for (const FaceId id : walls) {
+      const auto& loop = mesh().face(id).loop;
+      for (std::size_t i = 0; i < loop.size(); ++i)
+        edges.insert(makeEdge(loop[i], loop[(i + 1) % loop.size()]));
+    }
+    for (const auto& [a, b] : edges) {
+      const std::size_t savepoint = editor_.savepoint();
+      if (!editor_.separateEdge(a, b)) continue;
+      const MeshChange change = editor_.changeSince(savepoint);
+      if (std::all_of(change.changed_cells.begin(), change.changed_cells.end(),
+                      [&](CellId id) { return isSound(mesh(), id); })) {
+        crossings_.recordOpenedEdge(mesh(), change.new_vertices);
+      } else {
+        editor_.rollBackTo(savepoint);
+      }
+    }
   }
 
   /// A second sheet of the same stroke may divide the cap that the first one has made.

@@ -78,6 +78,24 @@ std::vector<CellId> cellsAround(const PolyhedralMesh& mesh, VertexId vertex) {
   return cells;
 }
 
+int numFansAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
+  const std::vector<CellId> cells = cellsAroundEdge(mesh, a, b);
+  int num_fans = static_cast<int>(cells.size());
+  DisjointSets fans(num_fans);
+  const auto rootOf = [&](CellId id) {
+    return fans.find(static_cast<int>(std::lower_bound(cells.begin(), cells.end(), id) - cells.begin()));
+  };
+  for (const FaceId id : mesh.facesAround(a)) {
+    const Face& face = mesh.face(id);
+    if (face.isBoundary() || !hasEdge(face, a, b)) continue;
+    const int first = rootOf(face.cells[0]), second = rootOf(face.cells[1]);
+    if (first == second) continue;
+    fans.join(first, second);
+    --num_fans;
+  }
+  return num_fans;
+}
+
 MeshEditor::MeshEditor(PolyhedralMesh& mesh) : mesh_(mesh), first_new_cell_(mesh.cellCapacity()) {}
 
 MeshEditor::~MeshEditor() {
@@ -324,7 +342,7 @@ MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceI
   return split;
 }
 
-void MeshEditor::openFace(FaceId id, int cut) {
+std::pair<FaceId, FaceId> MeshEditor::openFace(FaceId id, int cut) {
   const Face closed = mesh_.face(id);
   POLYSCALPEL_ASSERT(!closed.isBoundary());
   Face front = closed, back = closed;
@@ -333,13 +351,16 @@ void MeshEditor::openFace(FaceId id, int cut) {
   front.cells = {closed.cells[0], CellId()};
   back.cells = {closed.cells[1], CellId()};
   removeFace(id);
-  for (Face* face : {&front, &back}) {
-    face->cut = cut;
-    Cell& cell = touchCell(face->cells[0]);
+  const auto add = [&](Face face) {
+    face.cut = cut;
+    Cell& cell = touchCell(face.cells[0]);
     eraseValue(cell.faces, id);
-    cell.faces.push_back(FaceId(mesh_.faces_.size()));
-    addFace(std::move(*face));
-  }
+    const FaceId added = addFace(std::move(face));
+    cell.faces.push_back(added);
+    return added;
+  };
+  const FaceId front_id = add(std::move(front)), back_id = add(std::move(back));
+  return {front_id, back_id};
 }
 
 void MeshEditor::separateVertex(VertexId vertex) {
@@ -372,6 +393,12 @@ void MeshEditor::separateVertex(VertexId vertex) {
       vertices.push_back(copy);
     }
   }
+}
+
+bool MeshEditor::separateEdge(VertexId a, VertexId b) {
+  if (numFansAroundEdge(mesh_, a, b) < 2) return false;
+  separateVertex(splitEdge(a, b, 0.5));
+  return true;
 }
 
 void MeshEditor::removeCells(const std::vector<CellId>& cells) {

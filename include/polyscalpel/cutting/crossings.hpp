@@ -85,6 +85,10 @@ class Crossings {
   /// surface.
   void recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& origin, bool is_on_cut);
 
+  /// Records that an edge between two walls of the slit has got a vertex to open it by: the first of the new
+  /// vertices, of which the others are copies.
+  void recordOpenedEdge(const PolyhedralMesh& mesh, const std::vector<NewVertex>& new_vertices);
+
   /// Records that cells have been divided for another reason: their parts are what they were.
   void recordDividedCells(const MeshChange& change);
 

@@ -44,11 +44,17 @@ class MeshEditor {
                       const std::vector<std::vector<VertexId>>& cap_facets, int cut);
 
   /// Replaces a face between two cells by two boundary faces in the same place, marked with the cut's number.
-  void openFace(FaceId face, int cut);
+  /// Returns that of the face's first cell first.
+  std::pair<FaceId, FaceId> openFace(FaceId face, int cut);
 
   /// Where the cells around a vertex are no longer joined through closed faces, gives each part but the one
   /// with the smallest cell id a copy of the vertex.
   void separateVertex(VertexId vertex);
+
+  /// Where the cells around an edge are no longer joined through closed faces at it, but both its ends still
+  /// belong to all of them, gives the edge a middle vertex, and each part but one a copy of that. Returns
+  /// whether it did.
+  bool separateEdge(VertexId a, VertexId b);
 
   /// Takes whole pieces out of the mesh: every cell that shares a face with one of these is among them. Their
   /// faces go with them, and the vertices that nothing uses then retire.
@@ -100,6 +106,10 @@ bool hasEdge(const Face& face, VertexId a, VertexId b);
 
 /// Cells that have the edge a-b, ascending; empty where there is no such edge.
 std::vector<CellId> cellsAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b);
+
+/// How many groups the cells that have the edge a-b fall into, each joined through closed faces at the edge: 1
+/// in a sound mesh, 0 where there is no such edge.
+int numFansAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b);
 
 /// Cells that have the vertex, ascending.
 std::vector<CellId> cellsAround(const PolyhedralMesh& mesh, VertexId vertex);

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/cutting/cell_split.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include <boost/container/flat_map.hpp>
+
+#include <Eigen/Geometry>
+
+#include "polyscalpel/core/checks.hpp"
+#include "polyscalpel/cutting/cap_facets.hpp"
+#include "polyscalpel/mesh/mesh_checks.hpp"
+#include "polyscalpel/mesh/surface.hpp"
+
+namespace polyscalpel {
+namespace {
+
+/// A face's vertices in the cut are taken to be in line within this times localSize.
+constexpr double kSmallestFlap = 1e-3;
+
+/// Crossed edges and snapped corners may not leave a part of an edge shorter than this times its length:
+/// rounding.
+constexpr double kSmallestEdgePart = 1e-9;
+
+}  // namespace
+
+CellSplit::CellSplit(MeshEditor& editor, const Crossings& crossings, CellId cell,
+                     const std::vector<VertexId>& component)
+    : editor_(editor), crossings_(crossings), cell_(cell), component_(component.begin(), component.end()) {}
+
+bool CellSplit::isOnCut(VertexId v) const {
+  return middles_.count(v) || (!isInComponent(v) && crossings_.isSnapped(cell_, v));
+}
+
+bool CellSplit::findBorder() {
+  return splitCrossedEdges() && splitFaces() && findCap();
+}
+
+bool CellSplit::divide(int cut) {
+  const auto facets = makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false));
+  const auto split = editor_.splitCell(cell_, first_faces_, facets, cut);
+  first = split.first;
+  second = split.second;
+  cap = split.cap;
+  touched_.insert(first);
+  touched_.insert(second);
+  touched_.erase(cell_);
+  return std::all_of(touched_.begin(), touched_.end(), [&](CellId id) { return isSound(mesh(), id); });
+}
+
+bool CellSplit::splitCrossedEdges() {
+  for (const Edge& edge : mesh().edges(cell_)) {
+    const bool first_in = isInComponent(edge.first), second_in = isInComponent(edge.second);
+    if (first_in == second_in || isOnCut(first_in ? edge.second : edge.first)) continue;
+    const Crossings::CrossedEdge* crossed = crossings_.find(cell_, edge);
+    POLYSCALPEL_ASSERT(crossed);
+    // A vertex on an edge that is shut between two walls of a slit would join what nothing else joins.
+    if (numFansAroundEdge(mesh(), edge.first, edge.second) > 1) return false;
+    side_votes_ += first_in ? -crossed->sign : crossed->sign;
+    for (const CellId around : cellsAroundEdge(mesh(), edge.first, edge.second)) touched_.insert(around);
+    const double weight = std::clamp(crossed->weight, kSmallestEdgePart, 1 - kSmallestEdgePart);
+    const VertexId middle = editor_.splitEdge(edge.first, edge.second, weight);
+    middles_.insert(middle);
+    split_edges_.emplace_back(edge, middle);
+  }
+  return true;
+}
+
+/// Cuts the component's vertices off every face that also reaches beyond the cut.
+bool CellSplit::splitFaces() {
+  std::vector<FaceId> pending = mesh().cell(cell_).faces;
+  while (!pending.empty()) {
+    const FaceId id = pending.back();
+    pending.pop_back();
+    const auto& loop = mesh().face(id).loop;
+    const std::size_t n = loop.size();
+    bool reaches_beyond = false;
+    std::size_t start = n;  // an entry on the cut that is followed by one of the component
+    for (std::size_t i = 0; i < n; ++i) {
+      reaches_beyond |= !isInComponent(loop[i]) && !isOnCut(loop[i]);
+      if (isOnCut(loop[i]) && isInComponent(loop[(i + 1) % n])) start = i;
+    }
+    if (start == n) continue;
+    std::size_t end = start + 1;
+    while (isInComponent(loop[end % n])) ++end;
+    if (!reaches_beyond && !hasFlap(loop, start, end)) continue;
+    if (!isOnCut(loop[end % n]) || end % n == start) return false;
+    if (!reaches_beyond) {
+      for (std::size_t i = end + 1; i % n != start; ++i) cap_vertices_.push_back(loop[i % n]);
+    }
+    for (const CellId around : mesh().face(id).cells) {
+      if (around.isValid()) touched_.insert(around);
+    }
+    const auto parts = editor_.splitFace(id, loop[start], loop[end % n]);
+    split_faces_.emplace_back(id, parts);
+    pending.push_back(parts.second);
+  }
+  return true;
+}
+
+/// Whether a face that has no vertex beyond the cut still reaches beyond the chord from its entry `end` to
+/// its entry `start`: all further vertices are snapped, and not in line. The part beyond the chord then
+/// lies in the cut, and belongs to the other part of the cell; kept in this part, it would lie on the cap.
+bool CellSplit::hasFlap(const std::vector<VertexId>& loop, std::size_t start, std::size_t end) const {
+  const std::size_t n = loop.size();
+  if (!isOnCut(loop[end % n]) || end % n == start) return false;
+  const Eigen::Vector3d from = mesh().restPosition(loop[end % n]), to = mesh().restPosition(loop[start]);
+  const Eigen::Vector3d along = (to - from).normalized();
+  for (std::size_t i = end + 1; i % n != start; ++i) {
+    const double off = along.cross(mesh().restPosition(loop[i % n]) - from).norm();
+    if (off > kSmallestFlap * mesh().localSize(loop[i % n])) return true;
+  }
+  return false;
+}
+
+/// Chains the half-edges between the component's faces and the rest into the one loop that the cap must be.
+bool CellSplit::findCap() {
+  boost::container::small_flat_map<Edge, int, 32> count;  // of the component's faces at an edge
+  for (const FaceId id : mesh().cell(cell_).faces) {
+    const auto& loop = mesh().face(id).loop;
+    if (std::none_of(loop.begin(), loop.end(), [&](VertexId v) { return isInComponent(v); })) continue;
+    first_faces_.push_back(id);
+    for (std::size_t i = 0; i < loop.size(); ++i) ++count[makeEdge(loop[i], loop[(i + 1) % loop.size()])];
+  }
+  if (first_faces_.empty() || first_faces_.size() == mesh().cell(cell_).faces.size()) return false;
+
+  boost::container::small_flat_map<VertexId, VertexId, 16>
+      next;  // against the faces' own direction: counter-clockwise for the cap
+  for (const FaceId id : first_faces_) {
+    const Face& face = mesh().face(id);
+    const bool is_outward = face.cells[0] == cell_;
+    for (std::size_t i = 0; i < face.loop.size(); ++i) {
+      VertexId from = face.loop[i], to = face.loop[(i + 1) % face.loop.size()];
+      if (count[makeEdge(from, to)] != 1) continue;
+      if (!is_outward) std::swap(from, to);
+      if (!isOnCut(from) || !isOnCut(to) || !next.emplace(to, from).second) return false;
+    }
+  }
+  if (next.size() < 3) return false;
+  VertexId at = next.begin()->first;
+  do {
+    cap_loop_.push_back(at);
+    const auto step = next.find(at);
+    if (step == next.end()) return false;
+    at = step->second;
+  } while (at != cap_loop_.front() && cap_loop_.size() <= next.size());
+  if (cap_loop_.size() != next.size()) return false;
+  cap_vertices_.insert(cap_vertices_.end(), cap_loop_.begin(), cap_loop_.end());
+
+  if (side_votes_ == 0) {
+    // No edge was crossed between its ends: the cap goes through snapped vertices alone.
+    for (const auto& [a, b] : mesh().edges(cell_)) {
+      if (next.count(a) && isInComponent(b)) side_votes_ += crossings_.sideOfNeighbour(a, b);
+      if (next.count(b) && isInComponent(a)) side_votes_ += crossings_.sideOfNeighbour(b, a);
+    }
+  }
+  return true;
+}
+
+/// Mean of the vertices that one part will have.
+Eigen::Vector3d CellSplit::vertexMeanOfPart(bool is_first) const {
+  std::set<VertexId> vertices;
+  for (const FaceId id : mesh().cell(cell_).faces) {
+    const bool is_in_first = std::find(first_faces_.begin(), first_faces_.end(), id) != first_faces_.end();
+    if (is_in_first != is_first) continue;
+    vertices.insert(mesh().face(id).loop.begin(), mesh().face(id).loop.end());
+  }
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const VertexId v : vertices) sum += mesh().restPosition(v);
+  return sum / static_cast<double>(vertices.size());
+}
+
+bool isSound(const PolyhedralMesh& mesh, CellId cell) {
+  const double size = mesh.localSize(cell);
+  const CellSurface surface = makeCellSurface(mesh, cell, mesh.restPositions());
+  return smallestSubTetVolume(surface) > kSmallestRelativeSubTet * size * size * size;
+}
+
+}  // namespace polyscalpel
