@@ -48,7 +48,7 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
   if (snap_a != snaps_.end() && snap_b != snaps_.end() && hit.alignment < kLargestAlignmentInSlit) return;
 
   const double length = (mesh.restPosition(b) - mesh.restPosition(a)).norm();
-  const double to_a = hit.weight * length, to_b = (1 - hit.weight) * length;
+  const double to_a = hit.alignment * hit.weight * length, to_b = hit.alignment * (1 - hit.weight) * length;
   const bool is_near_a = to_a < snap_tolerance * mesh.localSize(a);
   const bool is_near_b = to_b < snap_tolerance * mesh.localSize(b);
   if (is_near_a || is_near_b) {
@@ -155,16 +155,20 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
   // A vertex high above the face tells most: what lies near the blade's surface may be on either side of it
   // by rounding or by the bend of the surface.
   const auto [origin, normal] = planeOf(mesh.face(face_id), mesh.restPositions());
-  double sum = 0;
+  double at_face = 0, anywhere = 0;  // seen from the face's own corners, and from all snapped ones
   for (const auto& [a, b] : mesh.edges(cell)) {
     for (const auto& [corner, other] : {std::make_pair(a, b), std::make_pair(b, a)}) {
-      if (!isInFace(corner) || isInFace(other) || isSnapped(cell, other)) continue;
+      if (isInFace(other) || isSnapped(cell, other)) continue;
       const auto snap = snaps_.find(corner);
       if (snap == snaps_.end()) continue;
-      sum += snap->second.sideOfNeighbour(other) * std::abs(normal.dot(mesh.restPosition(other) - origin));
+      const double vote =
+          snap->second.sideOfNeighbour(other) * std::abs(normal.dot(mesh.restPosition(other) - origin));
+      anywhere += vote;
+      if (isInFace(corner)) at_face += vote;
     }
   }
-  return sum > 0 ? 1 : -1;
+  // No edge may leave the face's own corners but along it.
+  return (at_face != 0 ? at_face : anywhere) > 0 ? 1 : -1;
 }
 
 bool Crossings::isInSlit(const Face& face) const {
@@ -180,9 +184,15 @@ void Crossings::recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& o
   }
   const auto [a, b] = makeEdge(origin.parents[0], origin.parents[1]);
   const auto crossed = edges_.find({a, b});
-  if (crossed == edges_.end()) return;
+  if (crossed == edges_.end()) {
+    // Seen from an end through which the blade has gone, the new vertex lies where the other end does.
+    inheritNeighbour(a, b, origin.vertex);
+    inheritNeighbour(b, a, origin.vertex);
+    return;
+  }
   // Another cut has divided the edge; the crossing stays in the part where it was.
   const double at = a == origin.parents[0] ? origin.weight : 1 - origin.weight;
+  inheritNeighbour(crossed->second.weight <= at ? a : b, crossed->second.weight <= at ? b : a, origin.vertex);
   CrossedEdge moved = crossed->second;
   if (moved.weight <= at) {
     moved.weight /= at;
@@ -194,6 +204,17 @@ void Crossings::recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& o
     moved.sign = -moved.sign;
     edges_.emplace(makeEdge(b, origin.vertex), moved);
     putCellsAround(mesh, makeEdge(b, origin.vertex));
+  }
+}
+
+void Crossings::inheritNeighbour(VertexId snapped, VertexId neighbour, VertexId heir) {
+  const auto snap = snaps_.find(snapped);
+  if (snap == snaps_.end()) return;
+  for (const auto& [vertex, side] : snap->second.neighbours) {
+    if (vertex != neighbour) continue;
+    const int inherited = side;
+    snap->second.neighbours.emplace_back(heir, inherited);
+    return;
   }
 }
 

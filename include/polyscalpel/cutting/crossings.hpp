@@ -120,6 +120,8 @@ class Crossings {
   void clear();
 
  private:
+  /// Has a vertex on the way from a snapped one to a neighbour lie on the neighbour's side.
+  void inheritNeighbour(VertexId snapped, VertexId neighbour, VertexId heir);
   void putCellsAround(const PolyhedralMesh& mesh, Edge edge);
 
   struct Snap {
