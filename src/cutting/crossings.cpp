@@ -158,7 +158,7 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
   double at_face = 0, anywhere = 0;  // seen from the face's own corners, and from all snapped ones
   for (const auto& [a, b] : mesh.edges(cell)) {
     for (const auto& [corner, other] : {std::make_pair(a, b), std::make_pair(b, a)}) {
-      if (isInFace(other) || isSnapped(cell, other)) continue;
+      if (isInFace(other) || isOnCut(other)) continue;
       const auto snap = snaps_.find(corner);
       if (snap == snaps_.end()) continue;
       const double vote =
