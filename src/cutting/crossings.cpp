@@ -156,19 +156,23 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
   // by rounding or by the bend of the surface.
   const auto [origin, normal] = planeOf(mesh.face(face_id), mesh.restPositions());
   double at_face = 0, anywhere = 0;  // seen from the face's own corners, and from all snapped ones
+  int own = 0;
   for (const auto& [a, b] : mesh.edges(cell)) {
     for (const auto& [corner, other] : {std::make_pair(a, b), std::make_pair(b, a)}) {
-      if (isInFace(other) || isOnCut(other)) continue;
       const auto snap = snaps_.find(corner);
       if (snap == snaps_.end()) continue;
+      own += snap->second.side;
+      if (isInFace(other) || isOnCut(other)) continue;
       const double vote =
           snap->second.sideOfNeighbour(other) * std::abs(normal.dot(mesh.restPosition(other) - origin));
       anywhere += vote;
       if (isInFace(corner)) at_face += vote;
     }
   }
-  // No edge may leave the face's own corners but along it.
-  return (at_face != 0 ? at_face : anywhere) > 0 ? 1 : -1;
+  // No edge may leave the face's own corners but along it, and all of the cell may lie in the slit.
+  if (at_face != 0) return at_face > 0 ? 1 : -1;
+  if (anywhere != 0) return anywhere > 0 ? 1 : -1;
+  return own > 0 ? 1 : -1;
 }
 
 bool Crossings::isInSlit(const Face& face) const {
