@@ -47,8 +47,8 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
   const auto snap_a = snaps_.find(a), snap_b = snaps_.find(b);
   if (snap_a != snaps_.end() && snap_b != snaps_.end() && hit.alignment < kLargestAlignmentInSlit) return;
 
-  const double length = (mesh.restPosition(b) - mesh.restPosition(a)).norm();
-  const double to_a = hit.alignment * hit.weight * length, to_b = hit.alignment * (1 - hit.weight) * length;
+  const double across = hit.alignment * (mesh.restPosition(b) - mesh.restPosition(a)).norm();
+  const double to_a = hit.weight * across, to_b = (1 - hit.weight) * across;
   const bool is_near_a = to_a < snap_tolerance * mesh.localSize(a);
   const bool is_near_b = to_b < snap_tolerance * mesh.localSize(b);
   if (is_near_a || is_near_b) {
@@ -64,7 +64,7 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
     }
     return;
   }
-  edges_[hit.edge] = {hit.weight, hit.sign, time_};
+  edges_[hit.edge] = {hit.weight, hit.sign, hit.alignment, time_};
   putCellsAround(mesh, hit.edge);
   if (snap_a != snaps_.end()) snap_a->second.neighbours.emplace_back(b, hit.sign);
   if (snap_b != snaps_.end()) snap_b->second.neighbours.emplace_back(a, -hit.sign);
@@ -111,9 +111,9 @@ void Crossings::snapNear(const PolyhedralMesh& mesh, VertexId vertex, double sna
     const auto crossed = edges_.find(makeEdge(vertex, other));
     if (crossed == edges_.end()) continue;
     const bool is_first = vertex < other;
-    const auto& [weight, sign, time] = crossed->second;
-    const double length = (mesh.restPosition(other) - mesh.restPosition(vertex)).norm();
-    if ((is_first ? weight : 1 - weight) * length >= snap_tolerance * mesh.localSize(vertex)) continue;
+    const auto& [weight, sign, alignment, time] = crossed->second;
+    const double across = alignment * (mesh.restPosition(other) - mesh.restPosition(vertex)).norm();
+    if ((is_first ? weight : 1 - weight) * across >= snap_tolerance * mesh.localSize(vertex)) continue;
     snap(mesh, vertex, is_first ? -sign : sign);
     return;
   }
@@ -283,7 +283,10 @@ void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
       const VertexId former_other = originalOf(other);
       if (const auto crossed = edges_.find(makeEdge(former, former_other)); crossed != edges_.end()) {
         CrossedEdge moved = crossed->second;
-        if ((former < former_other) != (copy < other)) moved = {1 - moved.weight, -moved.sign, moved.time};
+        if ((former < former_other) != (copy < other)) {
+          moved.weight = 1 - moved.weight;
+          moved.sign = -moved.sign;
+        }
         edges_.emplace(makeEdge(copy, other), moved);
         putCellsAround(mesh, makeEdge(copy, other));
       }

@@ -71,6 +71,25 @@ TEST(CutMesh, APlaneAlongFacesSplitsNoCellAndLeavesTwoPieces) {
   EXPECT_NEAR(result.cut_area_m2, 9, 1e-12);
 }
 
+TEST(CutMesh, APlaneAlongFacesOpensTheirPartsWhoseCornersAreAllNew) {
+  // A tip that enters beside a corner divides the face below one block, whose middle part has corners from
+  // which no edge of that block leaves the face.
+  PolyhedralMesh mesh = makeHexBox(Vector3d::Zero(), Vector3d::Ones(), Vector3i::Constant(4));
+  SweepCut tip;
+  tip.edge_tool.resize(3, 2);
+  tip.edge_tool << 0, 0, 0, 0, -0.017, 0.017;
+  Isometry3d T = Isometry3d::Identity();
+  T.linear() << -0.83715347382867522, -0.3022595986291583, 0.45586532692575094,  //
+      -0.54473497742053523, 0.38549543854876428, -0.74475302700475476,           //
+      0.049374746897889704, -0.87179837227115553, -0.48737022116060114;
+  T.translation() << 0.9195, 1.0290, 0.6224;
+  tip.T_world_tool.push_back(T);
+  T.translation() << 0.8898, 1.0097, 0.6241;
+  tip.T_world_tool.push_back(T);
+  EXPECT_GT(cutAndCheck(mesh, tip).cells_split, 0);
+  EXPECT_EQ(cutAndCheck(mesh, plane({0, 0, 0.75}, Vector3d::UnitZ())).pieces_after, 2);
+}
+
 TEST(CutMesh, APlaneThroughVerticesAndAlongDiagonalsLeavesTwoPieces) {
   for (const Vector3d& normal :
        {Vector3d(1, 1, 0), Vector3d(1, 1, 1), Vector3d(1, -1, 0), Vector3d(1, 1, -1)}) {

@@ -81,6 +81,48 @@ TEST(MeshEditor, OpeningTheSharedFaceMakesTwoPiecesWithVerticesOfTheirOwn) {
   EXPECT_EQ(volume(mesh, mesh.restPositions()), 2);
 }
 
+TEST(MeshEditor, AnEdgeWithinASlitOpensThoughBothItsEndsLieOnTheSlitsFront) {
+  PolyhedralMesh mesh = makeHexBox(Vector3d::Zero(), Vector3d(2, 2, 3), Vector3i(2, 2, 3));
+  const auto vertexAt = [&](const Vector3d& point) {
+    for (int i = 0; i < mesh.numVertices(); ++i) {
+      if ((mesh.restPosition(VertexId(i)) - point).norm() < 1e-9) return VertexId(i);
+    }
+    return VertexId();
+  };
+  // The two faces in the plane x = 1 at the middle of the edge, which are all of a slit within the body.
+  const VertexId a = vertexAt({1, 1, 1}), b = vertexAt({1, 1, 2});
+  std::vector<FaceId> slit;
+  for (const FaceId id : mesh.facesAround(a)) {
+    const auto& loop = mesh.face(id).loop;
+    const bool is_in_plane =
+        std::all_of(loop.begin(), loop.end(), [&](VertexId v) { return mesh.restPosition(v).x() == 1; });
+    if (is_in_plane && hasEdge(mesh.face(id), a, b)) slit.push_back(id);
+  }
+  ASSERT_EQ(slit.size(), 2u);
+
+  MeshEditor editor(mesh);
+  EXPECT_FALSE(editor.separateEdge(a, b)) << "all is closed as yet";
+  std::vector<VertexId> opened;
+  for (const FaceId id : slit) {
+    opened.insert(opened.end(), mesh.face(id).loop.begin(), mesh.face(id).loop.end());
+    editor.openFace(id, 1);
+  }
+  for (const VertexId v : opened) editor.separateVertex(v);
+  EXPECT_EQ(numFansAroundEdge(mesh, a, b), 2);
+  EXPECT_TRUE(editor.separateEdge(a, b));
+  EXPECT_EQ(numFansAroundEdge(mesh, a, b), 0);
+  const MeshChange change = editor.commit();
+  ASSERT_GE(change.new_vertices.size(), 2u);
+  const NewVertex& copy = change.new_vertices.back();
+  EXPECT_EQ(copy.parents[0], copy.parents[1]);
+  for (const VertexId middle : {copy.vertex, copy.parents[0]}) {
+    EXPECT_EQ(mesh.restPosition(middle), Vector3d(1, 1, 1.5));
+    EXPECT_EQ(numFansAroundEdge(mesh, a, middle), 1);
+    EXPECT_EQ(cellsAroundEdge(mesh, a, middle).size(), 2u) << "one side of the slit";
+  }
+  EXPECT_TRUE(checkMesh(mesh).empty());
+}
+
 TEST(MeshEditor, AVertexHungIntoAnEdgeChangesNoVolumeAndCarriesNoVirtualVertex) {
   PolyhedralMesh mesh = twoCubes();
   MeshEditor editor(mesh);

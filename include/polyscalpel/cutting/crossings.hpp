@@ -39,14 +39,17 @@ struct Hit {
   double alignment = 1;  ///< |cos| of the angle between the edge and the normal of the blade's surface
 };
 
-/// What one stroke of one blade has crossed and not yet split, and what it has split. A crossing nearer than
-/// snap_tolerance * localSize to a vertex goes through the vertex: it is "snapped" in all cells around.
+/// What one stroke of one blade has crossed and not yet split, and what it has split. Where an edge of a
+/// vertex is crossed by a surface that passes the vertex nearer than snap_tolerance * localSize, at right
+/// angles to the surface, the crossing goes through the vertex: it is "snapped" in all cells around. So all
+/// edges of a vertex agree, and no layer thinner than that is left between the two.
 class Crossings {
  public:
   /// A crossed edge. side of edge.first is -sign, of edge.second +sign.
   struct CrossedEdge {
     double weight = 0;
     int sign = 0;
+    double alignment = 1;  ///< as in Hit
     int time = 0;
   };
 

@@ -17,8 +17,9 @@ namespace polyscalpel {
 /// Sliver policy and progress of cuts. h is the size of the uncut mesh around a vertex
 /// (PolyhedralMesh::localSize).
 struct CuttingConfig {
-  double snap_tolerance =
-      0.05;  ///< tau in [1e-6, 0.2]: a crossing nearer than tau h to a vertex goes through the vertex
+  /// tau in [1e-6, 0.2]: a blade that passes a vertex nearer than tau h, where it crosses an edge of the
+  /// vertex, goes through the vertex.
+  double snap_tolerance = 0.05;
   double hold_back =
       0.5;  ///< in [0, 2]: a cell splits once the blade has left its bounding box by this times h
   double max_travel = 0.25;           ///< in [1e-3, 1]: the blade's travel in one sub-step, times h
