@@ -97,6 +97,7 @@ Simulation::Impl::Impl(const SimulationConfig& given) : config(given) {
   }
   if (has_shape) parts.push_back("contact");
   if (config.cutting) parts.push_back("cutting");
+  if (config.fracture) parts.push_back("fracture");
   if (!tools.empty()) parts.push_back("tools");
   if (config.stress) parts.push_back("stress");
   reset();
@@ -115,6 +116,8 @@ void Simulation::Impl::reset() {
   cells_left_whole = 0;
   static_solution_stands = false;
   stress.reset();
+  fracture = FractureCounts();
+  if (config.fracture) cracks.emplace(*config.fracture, config.cutting->snap_tolerance);
   if (isDynamic()) integrator.emplace(config.integration);
   if (hasContact()) surface.emplace(mesh, state.positions);
   for (std::size_t i = 0; i < tools.size(); ++i) {
@@ -157,6 +160,7 @@ StepReport Simulation::step(const std::vector<std::optional<Eigen::Isometry3d>>&
         s.isDynamic() ? s.stepDynamic(T_world_tool, report) : s.stepStatic(T_world_tool, report);
     if (report.converged) {
       ++s.step_count;
+      s.growCracks(report);
       s.recoverStressWhenDue(report);
     }
   }
@@ -209,6 +213,9 @@ int Simulation::numCuts() const {
 }
 int Simulation::cellsLeftWhole() const {
   return impl_->cells_left_whole;
+}
+const FractureCounts& Simulation::fracture() const {
+  return impl_->fracture;
 }
 const Debris& Simulation::debris() const {
   return impl_->debris;

@@ -7,6 +7,8 @@
 #include "polyscalpel/core/stage_timer.hpp"
 #include "polyscalpel/cutting/blade_sweep.hpp"
 #include "polyscalpel/mesh/mesh_editing.hpp"
+#include "polyscalpel/mesh/surface.hpp"
+#include "polyscalpel/simulation/cell_loads.hpp"
 #include "simulation_impl.hpp"
 
 namespace polyscalpel {
@@ -22,6 +24,7 @@ void Simulation::Impl::followChange(int tool, const MeshChange& change) {
   for (std::size_t i = 0; i < tools.size(); ++i) {
     if (static_cast<int>(i) != tool && tools[i].blade) tools[i].blade->update(mesh, change);
   }
+  if (cracks) cracks->update(change);
   countPieces();
   static_solution_stands = false;
   stress.reset();
@@ -50,14 +53,15 @@ Debris Simulation::Impl::removeDebris() {
   return removed;
 }
 
-CutEvent Simulation::Impl::followCut(int tool, CutResult result) {
+CutEvent Simulation::Impl::followCut(CutCause cause, int tool, CutResult result) {
   CutEvent event;
+  event.cause = cause;
   event.tool = tool;
   const CutLedger ledger(state, *assembly, result.change, isDynamic());
   followChange(tool, result.change);
   event.balance = ledger.settle(mesh, result.change, *assembly, state);
   num_cuts = std::max(num_cuts, result.cut + result.num_cuts - 1);
-  cells_left_whole += result.cells_left_whole;
+  if (cause != CutCause::kFracture) cells_left_whole += result.cells_left_whole;
   event.debris = removeDebris();
   event.pieces = piece_table;
   event.result = std::move(result);
@@ -69,7 +73,20 @@ void Simulation::Impl::commit(int tool, CutResult result, Eigen::Matrix3Xd* posi
   if (result.status != CutStatus::kCut) return;
   const StageTimer timer(report.times.update_s);
   if (positions_start) extendByNewVertices(result.change.new_vertices, *positions_start);
-  report.cuts.push_back(followCut(tool, std::move(result)));
+  report.cuts.push_back(followCut(CutCause::kTool, tool, std::move(result)));
+}
+
+// Mean over the new faces of a cut, by area [J/m^2].
+double Simulation::Impl::fractureToughness(const CutResult& result) const {
+  double area = 0, energy = 0;
+  for (const FaceId id : result.change.changed_faces) {
+    const Face& face = mesh.face(id);
+    if (!face.isAlive() || face.cut != result.cut) continue;
+    const double face_area = planeOf(face, mesh.restPositions()).second.norm();
+    area += face_area;
+    energy += face_area * assembly->kind(assembly->kindOf(face.cells[0])).material.fracture_toughness_j_m2;
+  }
+  return area > 0 ? energy / area : 0;
 }
 
 // The work of fracture, toughness times new area, over the blade's travel relative to the tissue it has just
@@ -90,7 +107,7 @@ Eigen::Vector3d Simulation::Impl::cuttingResistance(int tool, const CutResult& r
   constexpr double kNoTravel = 1e-9;  // [m]
   const double length = travel.norm();
   if (length < kNoTravel) return Eigen::Vector3d::Zero();
-  return -config.cutting->fracture_toughness_j_m2 * result.cut_area_m2 / length * (travel / length);
+  return -fractureToughness(result) * result.cut_area_m2 / length * (travel / length);
 }
 
 // positions_start: of the tissue before the step; gets new vertices too.
@@ -153,6 +170,34 @@ bool Simulation::Impl::comesToRest(Tool& tool) const {
   return tool.is_front_closed;
 }
 
+// Where the stress of the step that has just ended passes the strength. A static body's stress stands with
+// its solution.
+void Simulation::Impl::growCracks(StepReport& report) {
+  if (!cracks || !report.converged) return;
+  std::vector<CellLoad> loads;
+  CrackPlan plan;
+  {
+    const StageTimer timer(report.times.fracture_s);
+    loads = findCellLoads(mesh, *assembly, state.positions, state.velocities,
+                          isDynamic() ? config.integration.stiffness_damping_s : 0);
+    plan = cracks->plan(mesh, state.positions, loads);
+  }
+  report.fracture_limited = plan.is_limited;
+  for (const CrackAdvance& advance : plan.advances) {
+    CutResult result;
+    {
+      const StageTimer timer(report.times.fracture_s);
+      result = cracks->grow(mesh, state.positions, advance, loads, num_cuts + 1, index);
+    }
+    fracture.cells_split += result.cells_split;
+    fracture.cells_left_whole += result.cells_left_whole;
+    fracture.area_m2 += result.cut_area_m2;
+    if (result.status != CutStatus::kCut) continue;
+    const StageTimer timer(report.times.update_s);
+    report.cuts.push_back(followCut(CutCause::kFracture, -1, std::move(result)));
+  }
+}
+
 CutResult Simulation::cut(const CutOperation& operation) {
   return cutAll({operation}).result;
 }
@@ -163,7 +208,7 @@ CutEvent Simulation::cutAll(const std::vector<CutOperation>& operations) {
   s.index.tree.fit(s.mesh, s.state.positions);
   CutResult result =
       cutMesh(s.mesh, s.state.positions, operations, *s.config.cutting, s.num_cuts + 1, &s.index);
-  if (result.status == CutStatus::kCut) return s.followCut(-1, std::move(result));
+  if (result.status == CutStatus::kCut) return s.followCut(CutCause::kRequest, -1, std::move(result));
   CutEvent event;
   event.result = std::move(result);
   event.pieces = s.piece_table;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // What a simulation is made of. One concept a source: simulation.cpp builds and tells, simulation_steps.cpp
-// moves tissue and tools, simulation_cuts.cpp cuts and follows what was cut.
+// moves tissue and tools, simulation_cuts.cpp cuts and follows what was cut or has torn.
 #pragma once
 
 #include "polyscalpel/simulation/simulation.hpp"
@@ -69,6 +69,8 @@ struct Simulation::Impl {
   bool static_solution_stands = false;
   double static_residual = 0;
   std::optional<StressField> stress;
+  std::optional<CrackGrowth> cracks;  // scenes with fracture
+  FractureCounts fracture;
 
   explicit Impl(const SimulationConfig& given);
 
@@ -83,14 +85,16 @@ struct Simulation::Impl {
                           StepReport& report);
   void moveBlades(const ToolPoses& T_end, Eigen::Matrix3Xd& positions_start, StepReport& report);
   void countPieces() { piece_table = measurePieces(mesh, index.pieces.pieces(), *assembly); }
+  void growCracks(StepReport& report);
   void commit(int tool, CutResult result, Eigen::Matrix3Xd* positions_start, StepReport& report);
   void followChange(int tool, const MeshChange& change);
-  CutEvent followCut(int tool, CutResult result);
+  CutEvent followCut(CutCause cause, int tool, CutResult result);
   Debris removeDebris();
   bool comesToRest(Tool& tool) const;
   Eigen::Vector3d cuttingResistance(int tool, const CutResult& result,
                                     const Eigen::Matrix3Xd& positions_start, const Eigen::Isometry3d& T_start,
                                     const Eigen::Isometry3d& T_end) const;
+  double fractureToughness(const CutResult& result) const;
   Eigen::Vector3d bladeMiddle(int tool) const { return config.tools[tool].blade_edge_tool->rowwise().mean(); }
   bool hasBlade() const {
     return std::any_of(tools.begin(), tools.end(), [](const Tool& tool) { return tool.blade.has_value(); });
