@@ -32,6 +32,8 @@ constexpr double kSmallestWedge = 0.02;
 /// it with the square of their distance. Below a tenth of the size the stress prevails.
 constexpr double kStressWeight = 0.01;
 
+constexpr double kPi = 3.14159265358979323846;
+
 /// |cos| between a crack's normal and the principal direction, at least.
 constexpr double kSmallestCosine = 0.5;
 
@@ -73,6 +75,7 @@ std::optional<std::pair<FaceId, FaceId>> findSides(const PolyhedralMesh& mesh, V
 struct CellFront {
   std::vector<VertexId> vertices;  // on a front, ascending
   int slit = 0;                    // number of the slit that ends at the cell; 0: none does
+  Edge edge;                       // the longest where it does
 };
 
 CellFront findFront(const PolyhedralMesh& mesh, CellId cell) {
@@ -81,6 +84,7 @@ CellFront findFront(const PolyhedralMesh& mesh, CellId cell) {
     if (isOnCrackFront(mesh, v)) front.vertices.push_back(v);
   }
   if (front.vertices.size() < 2) return front;
+  double longest = 0;
   for (const Edge& edge : mesh.edges(cell)) {
     const auto sides = findSides(mesh, edge.first, edge.second);
     if (!sides) continue;
@@ -89,6 +93,10 @@ CellFront findFront(const PolyhedralMesh& mesh, CellId cell) {
     if (first.cells[0] == cell || second.cells[0] == cell) continue;
     const int slit = std::min(first.cut, second.cut);
     front.slit = front.slit == 0 ? slit : std::min(front.slit, slit);
+    const double length = (mesh.restPosition(edge.second) - mesh.restPosition(edge.first)).norm();
+    if (length <= longest) continue;
+    longest = length;
+    front.edge = edge;
   }
   return front;
 }
@@ -132,15 +140,20 @@ class CrackedCell {
   /// Whether the plane has corners of the cell on both sides.
   bool isPassedWhole() const { return is_passed_[0] && is_passed_[1]; }
 
-  /// Energy set free by the area of the crack [J/m^2].
+  /// Energy that the area of the crack frees [J/m^2]; see CrackGrowth.
   double energyRelease_j_m2() const {
-    double lowest = kInfinity, highest = -kInfinity;
-    for (const VertexId v : mesh_.cell(load_.cell).vertices) {
-      const double height = plane_.normal.dot(positions_.col(v.index()));
-      lowest = std::min(lowest, height);
-      highest = std::max(highest, height);
+    const Vector3d& normal = plane_.normal;
+    const double density = 0.5 * (load_.elastic_stress_pa * normal).dot(load_.elastic_strain * normal);
+    if (front_.slit == 0) {
+      const auto [lowest, highest] = extentAlong(normal);
+      return (highest - lowest) * density;
     }
-    return (highest - lowest) / 2 * (load_.elastic_stress_pa * plane_.normal).dot(load_.elastic_strain * plane_.normal);
+    const Vector3d a = positions_.col(front_.edge.first.index()),
+                   b = positions_.col(front_.edge.second.index());
+    const Vector3d ahead = normal.cross(b - a).normalized();
+    const auto [lowest, highest] = extentAlong(ahead);
+    const double front = ahead.dot(a);
+    return kPi * std::max(highest - front, front - lowest) * density;
   }
 
   /// The edges that the plane crosses, those at a vertex in the plane included. Where a face lies in the
@@ -190,6 +203,17 @@ class CrackedCell {
     }
     plane_.normal = Eigen::SelfAdjointEigenSolver<Matrix3d>(moments).eigenvectors().col(0);
     if (plane_.normal.dot(principal_direction_) < 0) plane_.normal = -plane_.normal;
+  }
+
+  /// Lowest and highest coordinate of the cell's vertices.
+  std::pair<double, double> extentAlong(const Vector3d& direction) const {
+    double lowest = kInfinity, highest = -kInfinity;
+    for (const VertexId v : mesh_.cell(load_.cell).vertices) {
+      const double height = direction.dot(positions_.col(v.index()));
+      lowest = std::min(lowest, height);
+      highest = std::max(highest, height);
+    }
+    return {lowest, highest};
   }
 
   double heightOf(VertexId v) const { return plane_.normal.dot(positions_.col(v.index()) - plane_.point); }

@@ -63,8 +63,7 @@ std::vector<CellLoad> findCellLoads(const PolyhedralMesh& mesh, const Assembly& 
   for (int kind = 0; kind < assembly.numKinds(); ++kind) {
     const IsotropicMaterial& material = assembly.kind(kind).material;
     if (material.strength_pa == 0) continue;
-    const SymmetricTensors smoothed_elastic = smoothStresses(mesh, assembly, elastic, kind);
-    SymmetricTensors smoothed = smoothed_elastic;
+    SymmetricTensors smoothed = smoothStresses(mesh, assembly, elastic, kind);
     if (stiffness_damping_s > 0) {
       CellStresses viscous = elastic;
       for (std::size_t i = 0; i < elastic.cells.size(); ++i) {
@@ -77,14 +76,15 @@ std::vector<CellLoad> findCellLoads(const PolyhedralMesh& mesh, const Assembly& 
       }
       smoothed += smoothStresses(mesh, assembly, viscous, kind);
     }
-    for (const CellId cell : elastic.cells) {
+    for (std::size_t i = 0; i < elastic.cells.size(); ++i) {
+      const CellId cell = elastic.cells[i];
       if (assembly.kindOf(cell) != kind) continue;
       CellLoad load;
       load.cell = cell;
       load.stress_pa = meanOf(smoothed, mesh, cell);
       // No eigenvalue is larger than the norm.
       if (load.stress_pa.norm() <= material.strength_pa) continue;
-      load.elastic_stress_pa = meanOf(smoothed_elastic, mesh, cell);
+      load.elastic_stress_pa = toMatrix(elastic.cell_stresses.col(static_cast<Eigen::Index>(i)));
       load.elastic_strain = strainOf(load.elastic_stress_pa, material);
       load.strength_pa = material.strength_pa;
       load.fracture_toughness_j_m2 = material.fracture_toughness_j_m2;

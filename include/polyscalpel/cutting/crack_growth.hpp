@@ -32,7 +32,7 @@ void validate(const FractureConfig& config);
 struct CellLoad {
   CellId cell;
   Eigen::Matrix3d stress_pa;           ///< smoothed Cauchy stress, that of damping included
-  Eigen::Matrix3d elastic_stress_pa;   ///< without that
+  Eigen::Matrix3d elastic_stress_pa;   ///< the cell's own, neither smoothed nor damped
   Eigen::Matrix3d elastic_strain;      ///< of the elastic stress
   double strength_pa = 0;              ///< > 0
   double fracture_toughness_j_m2 = 0;  ///< >= 0
@@ -59,17 +59,19 @@ struct CrackPlan {
 
 /// The cracks of a body. A value: a copy is independent.
 ///
-/// A cell may split when the largest principal value of its stress passes the strength, and the energy set
-/// free by the area of crack passes the toughness. That energy is taken to be the one that the traction on
-/// the crack's plane holds in the cell (Z. P. Bazant, B. H. Oh, "Crack band theory for fracture of concrete",
-/// 1983, for a linear elastic band of one cell):
+/// A cell may split when the largest principal value of its stress passes the strength, and the energy that
+/// a new area of crack frees, G, is at least the fracture toughness. At a front the stress ahead is
+/// K / sqrt(2 pi r), its mean over a cell that reaches to r = l is K sqrt(2 / (pi l)), and G = K^2 / E (G. R.
+/// Irwin, "Analysis of stresses and strains near the end of a crack traversing a plate", 1957):
 ///
-///   G = l / 2 (sigma n) . (eps n) >= fracture toughness,
+///   G = pi / 2 l (sigma n) . (eps n),
 ///
-/// sigma and eps the elastic ones, n the plane's normal, l the cell's extent along it. At a sharp front the
-/// stress grows with 1 / sqrt(l), so that G does not depend on the size of the cells, while the strength
-/// alone would be passed at any load by cells small enough. No energy is taken from the body beyond that of
-/// the faces set free: the toughness decides whether a crack runs, not how fast.
+/// sigma and eps those of the cell, n the normal of the crack's plane, l how far the cell reaches ahead of
+/// the front. So G does not depend on the size of the cells, while the strength alone would be passed there
+/// at any load by cells small enough. Where there is no front yet, G is the energy that the traction on the
+/// plane holds in the cell, l its extent along n (Z. P. Bazant, B. H. Oh, "Crack band theory for fracture of
+/// concrete", 1983, linear elastic): G = 1 / 2 l (sigma n) . (eps n). The toughness decides whether a crack
+/// runs, not how fast: no energy is taken from the body but that of its faces set free.
 ///
 /// A cell at a front splits along the plane that holds the front's vertices in it and otherwise lies as
 /// nearly as possible across the principal direction; it does not split where the two directions are more
