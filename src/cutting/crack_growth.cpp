@@ -339,7 +339,8 @@ CutResult CrackGrowth::grow(PolyhedralMesh& mesh, const Positions& positions, co
     POLYSCALPEL_ASSERT(load);
     if (!mesh.cell(id).isAlive()) continue;
     const CrackedCell cell(mesh, moved, *load, snap_tolerance_);
-    if (!cell.isDivided()) continue;  // a neighbour's split has taken its share
+    // The split of a neighbour may have opened what was to be opened here.
+    if (!cell.isDivided() || (advance.slit != 0 && cell.front().slit == 0)) continue;
     std::set<CellId> ready = {id};
     Crossings crossings;
     for (const Hit& hit : cell.findHits(ready)) crossings.add(mesh, hit, snap_tolerance_);
