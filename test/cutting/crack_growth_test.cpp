@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <random>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -194,6 +195,51 @@ TEST(CrackGrowth, ANewCrackStartsInTheMostStrainedCellAwayFromFronts) {
       const Vector3d normal = planeOf(face, mesh.restPositions()).second.normalized();
       EXPECT_GT(std::abs(normal.dot(direction.normalized())), 0.99);
     }
+  }
+}
+
+TEST(CrackGrowth, TensionThatTurnsAtRandomLeavesASoundMesh) {
+  for (int round = 0; round < 6; ++round) {
+    SCOPED_TRACE(round);
+    std::mt19937 generator(round);
+    std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+    const auto randomVector = [&] {
+      const double x = uniform(generator), y = uniform(generator), z = uniform(generator);
+      return Vector3d(x, y, z);
+    };
+    PolyhedralMesh mesh = round % 3 == 0   ? makeHexBox(Vector3d::Zero(), {5, 4, 4}, {5, 4, 4})
+                          : round % 3 == 1 ? makeTetBox(Vector3d::Zero(), {5, 4, 4}, {5, 4, 4})
+                                           : makeTetBall(Vector3d::Zero(), 3, 3);
+    const double volume_before = volume(mesh, mesh.restPositions());
+    const Vector3d start = randomVector().normalized(), axis = randomVector().normalized();
+    MeshIndex index(mesh);
+    CrackGrowth cracks({30}, 0.05);
+    int splits = 0, left_whole = 0, last_cut = 0;
+    for (int step = 0; step < 20; ++step) {
+      std::vector<CellLoad> loads;
+      for (const CellId cell : mesh.cells()) {
+        const Vector3d middle = mesh.restPosition(mesh.cell(cell).vertices.front());
+        const Vector3d direction =
+            (Eigen::AngleAxisd(0.25 * middle.dot(axis), axis) * start + 0.3 * randomVector()).normalized();
+        const Matrix3d stress =
+            (1.8 + 2 * uniform(generator)) * kStrength * direction * direction.transpose();
+        loads.push_back({cell, stress, stress, stress / kYoung, kStrength, 0});
+      }
+      for (const CrackAdvance& advance : cracks.plan(mesh, mesh.restPositions(), loads).advances) {
+        const CutResult result =
+            cracks.grow(mesh, Matrix3Xd(mesh.restPositions()), advance, loads, last_cut + 1, index);
+        left_whole += result.cells_left_whole;
+        if (result.status != CutStatus::kCut) continue;
+        splits += result.cells_split;
+        last_cut = std::max(last_cut, result.cut);
+        cracks.update(result.change);
+        ASSERT_EQ(result.pieces_after, findPieces(mesh).count);
+      }
+      ASSERT_TRUE(checkMesh(mesh).empty()) << checkMesh(mesh).front();
+    }
+    EXPECT_GT(splits, 100);
+    EXPECT_LT(left_whole, 0.02 * splits);
+    EXPECT_NEAR(volume(mesh, mesh.restPositions()), volume_before, 1e-12 * volume_before);
   }
 }
 
