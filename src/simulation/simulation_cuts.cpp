@@ -76,12 +76,13 @@ void Simulation::Impl::commit(int tool, CutResult result, Eigen::Matrix3Xd* posi
   report.cuts.push_back(followCut(CutCause::kTool, tool, std::move(result)));
 }
 
-// Mean over the new faces of a cut, by area [J/m^2].
-double Simulation::Impl::fractureToughness(const CutResult& result) const {
+// Mean over the new faces of a cut, by area [J/m^2]. faces_before: capacity of the mesh before it; a stroke's
+// older faces carry its number too.
+double Simulation::Impl::fractureToughness(const CutResult& result, int faces_before) const {
   double area = 0, energy = 0;
   for (const FaceId id : result.change.changed_faces) {
     const Face& face = mesh.face(id);
-    if (!face.isAlive() || face.cut != result.cut) continue;
+    if (id.index() < faces_before || !face.isAlive() || face.cut != result.cut) continue;
     const double face_area = planeOf(face, mesh.restPositions()).second.norm();
     area += face_area;
     energy += face_area * assembly->kind(assembly->kindOf(face.cells[0])).material.fracture_toughness_j_m2;
@@ -91,7 +92,7 @@ double Simulation::Impl::fractureToughness(const CutResult& result) const {
 
 // The work of fracture, toughness times new area, over the blade's travel relative to the tissue it has just
 // opened, and against that travel. World frame [N]; zero without travel.
-Eigen::Vector3d Simulation::Impl::cuttingResistance(int tool, const CutResult& result,
+Eigen::Vector3d Simulation::Impl::cuttingResistance(int tool, const CutResult& result, int faces_before,
                                                     const Eigen::Matrix3Xd& positions_start,
                                                     const Eigen::Isometry3d& T_start,
                                                     const Eigen::Isometry3d& T_end) const {
@@ -107,7 +108,7 @@ Eigen::Vector3d Simulation::Impl::cuttingResistance(int tool, const CutResult& r
   constexpr double kNoTravel = 1e-9;  // [m]
   const double length = travel.norm();
   if (length < kNoTravel) return Eigen::Vector3d::Zero();
-  return -fractureToughness(result) * result.cut_area_m2 / length * (travel / length);
+  return -fractureToughness(result, faces_before) * result.cut_area_m2 / length * (travel / length);
 }
 
 // positions_start: of the tissue before the step; gets new vertices too.
@@ -119,6 +120,7 @@ void Simulation::Impl::moveBlades(const ToolPoses& T_end, Eigen::Matrix3Xd& posi
     BladeCut& blade = *tools[i].blade;
     const int cut = tools[i].cut > 0 ? tools[i].cut : num_cuts + 1;
     const bool sweeps = T_end[i] && !report.tools[i].reseated;
+    const int faces_before = mesh.faceCapacity();
     CutResult result;
     {
       const StageTimer timer(report.times.cutting_s);
@@ -138,8 +140,8 @@ void Simulation::Impl::moveBlades(const ToolPoses& T_end, Eigen::Matrix3Xd& posi
     const std::size_t num_events = report.cuts.size();
     commit(tool, std::move(result), &positions_start, report);
     if (sweeps && report.cuts.size() > num_events) {
-      const Eigen::Vector3d on_blade = cuttingResistance(tool, report.cuts.back().result, positions_start,
-                                                         *tools[i].T_world_tool, *T_end[i]);
+      const Eigen::Vector3d on_blade = cuttingResistance(tool, report.cuts.back().result, faces_before,
+                                                         positions_start, *tools[i].T_world_tool, *T_end[i]);
       addReaction(report.tools[i].wrench_tool, -on_blade, *T_end[i] * bladeMiddle(tool), *T_end[i]);
     }
     if (sweeps && comesToRest(tools[i])) {

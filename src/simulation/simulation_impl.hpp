@@ -91,10 +91,10 @@ struct Simulation::Impl {
   CutEvent followCut(CutCause cause, int tool, CutResult result);
   Debris removeDebris();
   bool comesToRest(Tool& tool) const;
-  Eigen::Vector3d cuttingResistance(int tool, const CutResult& result,
+  Eigen::Vector3d cuttingResistance(int tool, const CutResult& result, int faces_before,
                                     const Eigen::Matrix3Xd& positions_start, const Eigen::Isometry3d& T_start,
                                     const Eigen::Isometry3d& T_end) const;
-  double fractureToughness(const CutResult& result) const;
+  double fractureToughness(const CutResult& result, int faces_before) const;
   Eigen::Vector3d bladeMiddle(int tool) const { return config.tools[tool].blade_edge_tool->rowwise().mean(); }
   bool hasBlade() const {
     return std::any_of(tools.begin(), tools.end(), [](const Tool& tool) { return tool.blade.has_value(); });

@@ -120,7 +120,7 @@ TEST(SimulatedCuts, ResistanceDoesTheWorkOfFracture) {
 }
 
 TEST(SimulatedCuts, EachMaterialResistsWithItsOwnToughness) {
-  SimulationConfig config = cuttingScene(true);
+  SimulationConfig config = cuttingScene();
   config.material.fracture_toughness_j_m2 = 50;
   config.material.youngs_modulus_pa = 1e6;
   config.integration.gravity_m_s2.setZero();

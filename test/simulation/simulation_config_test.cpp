@@ -309,7 +309,10 @@ TEST(SimulationConfig, RefusesWhatDoesNotGoTogether) {
   for (const char* name : {"", "1st", "my tool", "a/b", "_a", "a-b"}) {
     refuse("tools[0].name", [&](SimulationConfig& c) { c.tools[0].name = name; });
   }
-  refuse("tools[0].blade_edge_tool", [](SimulationConfig& c) { c.cutting.reset(); });
+  refuse("tools[0].blade_edge_tool", [](SimulationConfig& c) {
+    c.fracture.reset();
+    c.cutting.reset();
+  });
   refuse("tools[0].blade_edge_tool",
          [](SimulationConfig& c) { c.tools[0].blade_edge_tool = Eigen::Matrix3Xd(3, 1); });
   refuse("mesh.path", [](SimulationConfig& c) { c.mesh = MeshFileConfig(); });
