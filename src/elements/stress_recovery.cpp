@@ -95,10 +95,10 @@ SymmetricTensors smooth(const PolyhedralMesh& mesh, const Assembly& assembly,
 
 }  // namespace
 
-CellStresses findCellStresses(const PolyhedralMesh& mesh, const Assembly& assembly,
-                              const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
+StressField recoverStress(const PolyhedralMesh& mesh, const Assembly& assembly,
+                          const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
   POLYSCALPEL_ASSERT(positions.cols() == mesh.numVertices() && assembly.numVertices() == mesh.numVertices());
-  CellStresses field;
+  StressField field;
   field.cells = mesh.cells();
   const Eigen::Index num_cells = static_cast<Eigen::Index>(field.cells.size());
   field.cell_stresses.resize(6, num_cells);
@@ -119,22 +119,7 @@ CellStresses findCellStresses(const PolyhedralMesh& mesh, const Assembly& assemb
         toColumn(measure.cauchyStress(F, R, {lameLambda(material), shearModulus(material)}));
     field.cell_strains.col(c) = toColumn(measure.strain(F, R));
   }
-  return field;
-}
-
-SymmetricTensors smoothStresses(const PolyhedralMesh& mesh, const Assembly& assembly,
-                                const CellStresses& stresses, int kind) {
-  return smooth(mesh, assembly, stresses.cells, stresses.cell_stresses,
-                [&](CellId cell) { return assembly.kindOf(cell) == kind; });
-}
-
-StressField recoverStress(const PolyhedralMesh& mesh, const Assembly& assembly,
-                          const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
-  StressField field;
-  static_cast<CellStresses&>(field) = findCellStresses(mesh, assembly, positions);
-  const Eigen::Index num_cells = static_cast<Eigen::Index>(field.cells.size());
-  field.vertex_stresses =
-      smooth(mesh, assembly, field.cells, field.cell_stresses, [](CellId) { return true; });
+  field.vertex_stresses = smoothStresses(mesh, assembly, field.cells, field.cell_stresses);
 
   field.cell_errors.resize(num_cells);
   double squared_error = 0;
@@ -142,7 +127,8 @@ StressField recoverStress(const PolyhedralMesh& mesh, const Assembly& assembly,
     // Across a change of material the stress itself jumps: smoothing over it would count as error.
     const auto is_of_kind = [&](CellId cell) { return assembly.kindOf(cell) == kind; };
     SymmetricTensors of_kind;
-    if (assembly.numKinds() > 1) of_kind = smoothStresses(mesh, assembly, field, kind);
+    if (assembly.numKinds() > 1)
+      of_kind = smooth(mesh, assembly, field.cells, field.cell_stresses, is_of_kind);
     const SymmetricTensors& smoothed = assembly.numKinds() > 1 ? of_kind : field.vertex_stresses;
     const Compliance compliance(assembly.kind(kind).material);
     for (Eigen::Index c = 0; c < num_cells; ++c) {
@@ -162,6 +148,11 @@ StressField recoverStress(const PolyhedralMesh& mesh, const Assembly& assembly,
   const double total = squared_error + 2 * assembly.elasticEnergy(positions);
   field.relative_error = total > 0 ? std::sqrt(squared_error / total) : 0;
   return field;
+}
+
+SymmetricTensors smoothStresses(const PolyhedralMesh& mesh, const Assembly& assembly,
+                                const std::vector<CellId>& cells, const SymmetricTensors& cell_stresses) {
+  return smooth(mesh, assembly, cells, cell_stresses, [](CellId) { return true; });
 }
 
 Eigen::VectorXd vonMises(const SymmetricTensors& stresses) {

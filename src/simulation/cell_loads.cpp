@@ -23,20 +23,53 @@ Matrix3d strainOf(const Matrix3d& stress, const IsotropicMaterial& material) {
   return ((1 + nu) * stress - nu * stress.trace() * Matrix3d::Identity()) / material.youngs_modulus_pa;
 }
 
-/// Rate of strain of a cell [1/s], world frame: of F = R S that of S, to the first order in the strain. A
-/// rigid motion has none.
-Matrix3d strainRate(const PolyhedralMesh& mesh, const Assembly& assembly, CellId cell,
-                    const Positions& positions, const Positions& velocities) {
-  const std::vector<VertexId>& vertices = mesh.cell(cell).vertices;
-  Matrix3Xd x(3, vertices.size()), v(3, vertices.size());
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    x.col(i) = positions.col(vertices[i].index());
-    v.col(i) = velocities.col(vertices[i].index());
+/// Cauchy stresses of the mean strains of cells of one material.
+struct Stresses {
+  std::vector<CellId> cells;               // ascending
+  SymmetricTensors elastic, with_damping;  // 6 x cells [Pa]
+};
+
+Eigen::Matrix<double, 6, 1> toColumn(const Matrix3d& A) {
+  Eigen::Matrix<double, 6, 1> column;
+  column << A(0, 0), A(1, 1), A(2, 2), A(1, 2), A(2, 0), A(0, 1);
+  return column;
+}
+
+/// The damping's part is that of the rate of S, of F = R S, to the first order in the strain: a rigid motion
+/// has none.
+Stresses findStresses(const PolyhedralMesh& mesh, const Assembly& assembly, int kind,
+                      const Positions& positions, const Positions& velocities, double stiffness_damping_s) {
+  Stresses stresses;
+  for (int i = 0; i < mesh.cellCapacity(); ++i) {
+    if (mesh.cell(CellId(i)).isAlive() && assembly.kindOf(CellId(i)) == kind)
+      stresses.cells.push_back(CellId(i));
   }
-  const Matrix3Xd& gradient = assembly.elementMatrices(cell).mean_gradient;
-  const Matrix3d R = assembly.strainMeasure().rotation(meanDeformationGradient(x, gradient));
-  const Matrix3d rate = meanDeformationGradient(v, gradient) * R.transpose();
-  return (rate + rate.transpose()) / 2;
+  const Eigen::Index n = static_cast<Eigen::Index>(stresses.cells.size());
+  stresses.elastic.resize(6, n);
+  stresses.with_damping.resize(6, n);
+  const IsotropicMaterial& material = assembly.kind(kind).material;
+  const StrainMeasure& measure = assembly.strainMeasure();
+  Matrix3Xd x, v;
+  for (Eigen::Index c = 0; c < n; ++c) {
+    const std::vector<VertexId>& vertices = mesh.cell(stresses.cells[c]).vertices;
+    x.resize(3, static_cast<Eigen::Index>(vertices.size()));
+    v.resize(3, x.cols());
+    for (Eigen::Index i = 0; i < x.cols(); ++i) {
+      x.col(i) = positions.col(vertices[i].index());
+      v.col(i) = velocities.col(vertices[i].index());
+    }
+    const Matrix3Xd& gradient = assembly.elementMatrices(stresses.cells[c]).mean_gradient;
+    const Matrix3d F = meanDeformationGradient(x, gradient);
+    const Matrix3d R = measure.rotation(F);
+    const Matrix3d elastic = measure.cauchyStress(F, R, {lameLambda(material), shearModulus(material)});
+    stresses.elastic.col(c) = toColumn(elastic);
+    stresses.with_damping.col(c) = stresses.elastic.col(c);
+    if (stiffness_damping_s == 0) continue;
+    const Matrix3d rate = meanDeformationGradient(v, gradient) * R.transpose();
+    stresses.with_damping.col(c) +=
+        stiffness_damping_s * toColumn(stressOf((rate + rate.transpose()) / 2, material));
+  }
+  return stresses;
 }
 
 Matrix3d toMatrix(const Eigen::Matrix<double, 6, 1>& s) {
@@ -59,32 +92,18 @@ std::vector<CellLoad> findCellLoads(const PolyhedralMesh& mesh, const Assembly& 
                                     double stiffness_damping_s) {
   POLYSCALPEL_ASSERT(velocities.cols() == mesh.numVertices());
   std::vector<CellLoad> loads;
-  const CellStresses elastic = findCellStresses(mesh, assembly, positions);
   for (int kind = 0; kind < assembly.numKinds(); ++kind) {
     const IsotropicMaterial& material = assembly.kind(kind).material;
     if (material.strength_pa == 0) continue;
-    SymmetricTensors smoothed = smoothStresses(mesh, assembly, elastic, kind);
-    if (stiffness_damping_s > 0) {
-      CellStresses viscous = elastic;
-      for (std::size_t i = 0; i < elastic.cells.size(); ++i) {
-        if (assembly.kindOf(elastic.cells[i]) != kind) continue;
-        const Matrix3d stress =
-            stiffness_damping_s *
-            stressOf(strainRate(mesh, assembly, elastic.cells[i], positions, velocities), material);
-        viscous.cell_stresses.col(static_cast<Eigen::Index>(i)) << stress(0, 0), stress(1, 1), stress(2, 2),
-            stress(1, 2), stress(2, 0), stress(0, 1);
-      }
-      smoothed += smoothStresses(mesh, assembly, viscous, kind);
-    }
-    for (std::size_t i = 0; i < elastic.cells.size(); ++i) {
-      const CellId cell = elastic.cells[i];
-      if (assembly.kindOf(cell) != kind) continue;
+    const Stresses stresses = findStresses(mesh, assembly, kind, positions, velocities, stiffness_damping_s);
+    const SymmetricTensors smoothed = smoothStresses(mesh, assembly, stresses.cells, stresses.with_damping);
+    for (std::size_t i = 0; i < stresses.cells.size(); ++i) {
       CellLoad load;
-      load.cell = cell;
-      load.stress_pa = meanOf(smoothed, mesh, cell);
+      load.cell = stresses.cells[i];
+      load.stress_pa = meanOf(smoothed, mesh, load.cell);
       // No eigenvalue is larger than the norm.
       if (load.stress_pa.norm() <= material.strength_pa) continue;
-      load.elastic_stress_pa = toMatrix(elastic.cell_stresses.col(static_cast<Eigen::Index>(i)));
+      load.elastic_stress_pa = toMatrix(stresses.elastic.col(static_cast<Eigen::Index>(i)));
       load.elastic_strain = strainOf(load.elastic_stress_pa, material);
       load.strength_pa = material.strength_pa;
       load.fracture_toughness_j_m2 = material.fracture_toughness_j_m2;

@@ -17,15 +17,11 @@ namespace polyscalpel {
 /// Symmetric tensors as columns (xx, yy, zz, yz, zx, xy).
 using SymmetricTensors = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-/// Stress and strain of the cells.
-struct CellStresses {
+struct StressField {
   std::vector<CellId> cells;       ///< alive, ascending
   SymmetricTensors cell_stresses;  ///< 6 x cells: Cauchy stress of the mean strain, world frame [Pa]
   SymmetricTensors
       cell_strains;  ///< 6 x cells: small or Green strain, world frame (yz: eps_yz, not 2 eps_yz)
-};
-
-struct StressField : CellStresses {
   /// 6 x numVertices() [Pa]: means over the cells around, weighted by what each gives to the vertex's volume.
   /// At a vertex between materials the mean over all of them, for colours; the error estimate smooths each
   /// material for itself.
@@ -40,14 +36,10 @@ struct StressField : CellStresses {
 StressField recoverStress(const PolyhedralMesh& mesh, const Assembly& assembly,
                           const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
-/// The stress and strain alone: the cheap part of the above.
-CellStresses findCellStresses(const PolyhedralMesh& mesh, const Assembly& assembly,
-                              const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
-
-/// Stresses at the vertices, 6 x numVertices() [Pa], weighted as StressField::vertex_stresses: means over the
-/// cells of one kind alone, 0 where a vertex has none.
+/// Means at the vertices of the stresses of these cells alone (6 x cells), 6 x numVertices() [Pa], weighted
+/// as StressField::vertex_stresses; 0 at a vertex of none of them.
 SymmetricTensors smoothStresses(const PolyhedralMesh& mesh, const Assembly& assembly,
-                                const CellStresses& stresses, int kind);
+                                const std::vector<CellId>& cells, const SymmetricTensors& cell_stresses);
 
 /// Von Mises' equivalent stress of each column [Pa].
 Eigen::VectorXd vonMises(const SymmetricTensors& stresses);
