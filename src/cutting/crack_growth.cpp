@@ -2,7 +2,6 @@
 #include "polyscalpel/cutting/crack_growth.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -11,10 +10,10 @@
 #include <Eigen/Geometry>
 
 #include "polyscalpel/core/checks.hpp"
+#include "polyscalpel/cutting/crack_front.hpp"
 #include "polyscalpel/cutting/crossings.hpp"
 #include "polyscalpel/cutting/split_cells.hpp"
 #include "polyscalpel/mesh/mesh_editing.hpp"
-#include "polyscalpel/mesh/surface.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -22,11 +21,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Positions = Eigen::Ref<const Eigen::Matrix3Xd>;
-
-/// Outward normals of the two sides of a slit have at most minus this as their cosine.
-constexpr double kBackToBack = 0.99;
-/// And no side lies behind the other by more than this sine, as the faces of a sharp wedge do.
-constexpr double kSmallestWedge = 0.02;
 
 /// How much the plane of a crack follows the stress, in squares of the cell's size: the front's vertices pull
 /// it with the square of their distance. Below a tenth of the size the stress prevails.
@@ -40,76 +34,6 @@ constexpr double kSmallestCosine = 0.5;
 struct Plane {
   Vector3d point, normal;
 };
-
-/// From the middle of the edge a-b into the face, across the edge, of length 1.
-Vector3d directionInto(const PolyhedralMesh& mesh, FaceId face, VertexId a, VertexId b) {
-  const Vector3d along = (mesh.restPosition(b) - mesh.restPosition(a)).normalized();
-  const Vector3d inwards = virtualVertex(mesh.face(face), mesh.restPositions()) - mesh.restPosition(a);
-  return (inwards - along.dot(inwards) * along).normalized();
-}
-
-Vector3d normalOf(const PolyhedralMesh& mesh, FaceId face) {
-  return planeOf(mesh.face(face), mesh.restPositions()).second.normalized();
-}
-
-/// The two sides of a slit that meet at the edge.
-std::optional<std::pair<FaceId, FaceId>> findSides(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
-  std::vector<FaceId> faces;
-  for (const FaceId id : mesh.facesAround(a)) {
-    const Face& face = mesh.face(id);
-    if (face.cut > 0 && face.isBoundary() && hasEdge(face, a, b)) faces.push_back(id);
-  }
-  std::sort(faces.begin(), faces.end());
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    const Vector3d normal = normalOf(mesh, faces[i]);
-    for (std::size_t k = i + 1; k < faces.size(); ++k) {
-      if (normal.dot(normalOf(mesh, faces[k])) < -kBackToBack &&
-          normal.dot(directionInto(mesh, faces[k], a, b)) > -kSmallestWedge)
-        return std::make_pair(faces[i], faces[k]);
-    }
-  }
-  return std::nullopt;
-}
-
-/// What of crack fronts is in a cell.
-struct CellFront {
-  std::vector<VertexId> vertices;  // on a front, ascending
-  int slit = 0;                    // number of the slit that ends at the cell; 0: none does
-  Edge edge;                       // the longest where it does
-};
-
-CellFront findFront(const PolyhedralMesh& mesh, CellId cell) {
-  CellFront front;
-  for (const VertexId v : mesh.cell(cell).vertices) {
-    if (isOnCrackFront(mesh, v)) front.vertices.push_back(v);
-  }
-  if (front.vertices.size() < 2) return front;
-  double longest = 0;
-  for (const Edge& edge : mesh.edges(cell)) {
-    const auto sides = findSides(mesh, edge.first, edge.second);
-    if (!sides) continue;
-    const Face &first = mesh.face(sides->first), &second = mesh.face(sides->second);
-    // The two cells beside the slit end there too, but the crack does not go on into them.
-    if (first.cells[0] == cell || second.cells[0] == cell) continue;
-    const int slit = std::min(first.cut, second.cut);
-    front.slit = front.slit == 0 ? slit : std::min(front.slit, slit);
-    const double length = (mesh.restPosition(edge.second) - mesh.restPosition(edge.first)).norm();
-    if (length <= longest) continue;
-    longest = length;
-    front.edge = edge;
-  }
-  return front;
-}
-
-/// Whether a cell around one of the cell's vertices has a vertex on a front.
-bool isNearFront(const PolyhedralMesh& mesh, CellId cell) {
-  std::set<VertexId> around;
-  for (const VertexId v : mesh.cell(cell).vertices) {
-    for (const CellId other : cellsAround(mesh, v))
-      around.insert(mesh.cell(other).vertices.begin(), mesh.cell(other).vertices.end());
-  }
-  return std::any_of(around.begin(), around.end(), [&](VertexId v) { return isOnCrackFront(mesh, v); });
-}
 
 /// A cell as the plane of a crack divides it.
 class CrackedCell {
@@ -275,22 +199,6 @@ void validate(const FractureConfig& config) {
   if (config.max_splits_per_step >= 1 && config.max_splits_per_step <= 1000000) return;
   throw std::invalid_argument("max_splits_per_step = " + std::to_string(config.max_splits_per_step) +
                               ": must be in [1, 1000000]");
-}
-
-bool isOnCrackFront(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
-  return findSides(mesh, a, b).has_value();
-}
-
-bool isOnCrackFront(const PolyhedralMesh& mesh, VertexId vertex) {
-  for (const FaceId id : mesh.facesAround(vertex)) {
-    const Face& face = mesh.face(id);
-    if (face.cut == 0 || !face.isBoundary()) continue;
-    const std::size_t n = face.loop.size(), i = findInLoop(face, vertex);
-    if (isOnCrackFront(mesh, vertex, face.loop[(i + 1) % n]) ||
-        isOnCrackFront(mesh, vertex, face.loop[(i + n - 1) % n]))
-      return true;
-  }
-  return false;
 }
 
 CrackPlan CrackGrowth::plan(const PolyhedralMesh& mesh, const Positions& positions,

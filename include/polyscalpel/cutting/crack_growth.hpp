@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Cracks that run through cells where tension passes the strength: the split is that of a blade's cut, its
-// surface is told by the stress. A crack's front is not kept anywhere: it is where the two sides of a slit,
-// which lie in the same place in rest shape, are still joined. So a slit that a blade has left grows like any
-// other.
+// surface is told by the stress. Any slit may grow, a blade's as well (crack_front.hpp).
 #pragma once
 
 #include <map>
@@ -37,13 +35,6 @@ struct CellLoad {
   double strength_pa = 0;              ///< > 0
   double fracture_toughness_j_m2 = 0;  ///< >= 0
 };
-
-/// Whether the edge lies on the front of a slit: two faces of one slit, back to back in rest shape, meet
-/// there.
-bool isOnCrackFront(const PolyhedralMesh& mesh, VertexId a, VertexId b);
-
-/// Whether an edge of the vertex lies on the front of a slit.
-bool isOnCrackFront(const PolyhedralMesh& mesh, VertexId vertex);
 
 /// Cells that one crack is to split in a step.
 struct CrackAdvance {
