@@ -157,7 +157,6 @@ void validate(const CuttingConfig& config) {
   requireInRange("cutting.hold_back", config.hold_back, 0, 2);
   requireInRange("cutting.close_front_after_s", config.close_front_after_s, 0, 1e6);
   requireInRange("cutting.max_travel", config.max_travel, 1e-3, 1);
-  requireInRange("cutting.fracture_toughness_j_m2", config.fracture_toughness_j_m2, 0, 1e5);
   requireInRange("cutting.debris_volume_m3", config.debris_volume_m3, 0, kInfinity);
 }
 

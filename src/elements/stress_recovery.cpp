@@ -119,8 +119,7 @@ StressField recoverStress(const PolyhedralMesh& mesh, const Assembly& assembly,
         toColumn(measure.cauchyStress(F, R, {lameLambda(material), shearModulus(material)}));
     field.cell_strains.col(c) = toColumn(measure.strain(F, R));
   }
-  field.vertex_stresses =
-      smooth(mesh, assembly, field.cells, field.cell_stresses, [](CellId) { return true; });
+  field.vertex_stresses = smoothStresses(mesh, assembly, field.cells, field.cell_stresses);
 
   field.cell_errors.resize(num_cells);
   double squared_error = 0;
@@ -149,6 +148,11 @@ StressField recoverStress(const PolyhedralMesh& mesh, const Assembly& assembly,
   const double total = squared_error + 2 * assembly.elasticEnergy(positions);
   field.relative_error = total > 0 ? std::sqrt(squared_error / total) : 0;
   return field;
+}
+
+SymmetricTensors smoothStresses(const PolyhedralMesh& mesh, const Assembly& assembly,
+                                const std::vector<CellId>& cells, const SymmetricTensors& cell_stresses) {
+  return smooth(mesh, assembly, cells, cell_stresses, [](CellId) { return true; });
 }
 
 Eigen::VectorXd vonMises(const SymmetricTensors& stresses) {

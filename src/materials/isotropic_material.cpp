@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "polyscalpel/core/checks.hpp"
+#include "polyscalpel/core/types.hpp"
 
 namespace polyscalpel {
 
@@ -16,6 +17,8 @@ void validate(const IsotropicMaterial& material) {
     throw std::invalid_argument(message.str());
   }
   requirePositive("density_kg_m3", material.density_kg_m3);
+  requireInRange("strength_pa", material.strength_pa, 0, kInfinity);
+  requireInRange("fracture_toughness_j_m2", material.fracture_toughness_j_m2, 0, 1e5);
 }
 
 double lameLambda(const IsotropicMaterial& material) {

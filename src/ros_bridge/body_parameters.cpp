@@ -126,6 +126,8 @@ void readMaterial(YamlMap map, IsotropicMaterial& material) {
   map.number("youngs_modulus_pa", material.youngs_modulus_pa, kPositive);
   map.number("poisson_ratio", material.poisson_ratio, {-1, 0.5, true, true});
   map.number("density_kg_m3", material.density_kg_m3, kPositive);
+  map.number("strength_pa", material.strength_pa, kNotNegative);
+  map.number("fracture_toughness_j_m2", material.fracture_toughness_j_m2, {0, 1e5});
   map.finish();
 }
 

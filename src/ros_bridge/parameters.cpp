@@ -123,8 +123,14 @@ CuttingConfig readCutting(YamlMap map) {
   map.number("hold_back", config.hold_back, {0, 2});
   map.number("max_travel", config.max_travel, {1e-3, 1});
   map.number("close_front_after_s", config.close_front_after_s, {0, 1e6});
-  map.number("fracture_toughness_j_m2", config.fracture_toughness_j_m2, {0, 1e5});
   map.number("debris_volume_m3", config.debris_volume_m3, kNotNegative);
+  map.finish();
+  return config;
+}
+
+FractureConfig readFracture(YamlMap map) {
+  FractureConfig config;
+  map.integer("max_splits_per_step", config.max_splits_per_step, {1, 1e6});
   map.finish();
   return config;
 }
@@ -218,6 +224,7 @@ SceneParameters readScene(YamlMap& scene, const std::vector<std::string>& mesh_f
   for (YamlMap& fixed : scene.maps("fixed")) simulation.fixed.push_back(readFixedRegion(fixed));
   if (scene.has("integration")) readIntegration(scene.map("integration"), simulation.integration);
   if (scene.has("cutting")) simulation.cutting = readCutting(scene.map("cutting"));
+  if (scene.has("fracture")) simulation.fracture = readFracture(scene.map("fracture"));
   if (scene.has("contact")) simulation.contact = readContact(scene.map("contact"));
   for (YamlMap& tool : scene.maps("tools")) {
     simulation.tools.emplace_back();

@@ -198,8 +198,10 @@ void SimulationNode::makeCuts(const std::vector<CutOperation>& operations, Cut::
 }
 
 void SimulationNode::publishCut(const CutEvent& event, const ros::Time& stamp) {
-  const std::string source =
-      event.tool < 0 ? "service" : parameters_.simulation.tools[static_cast<std::size_t>(event.tool)].name;
+  const std::string source = event.cause == CutCause::kFracture ? "fracture"
+                             : event.cause == CutCause::kRequest
+                                 ? "service"
+                                 : parameters_.simulation.tools[static_cast<std::size_t>(event.tool)].name;
   cut_event_publisher_.publish({event.result, event.balance, event.debris, event.pieces}, simulation_.mesh(),
                                source, stamp, simulation_.time_s());
   if (event.debris.num_pieces > 0)

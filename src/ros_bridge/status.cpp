@@ -64,6 +64,7 @@ DiagnosticStatus diagnoseSimulation(const StepStatus& status) {
   addValue(entry, "pieces", status.pieces);
   addValue(entry, "cuts", status.cuts);
   addValue(entry, "cells_left_whole", status.cells_left_whole);
+  addValue(entry, "fracture_splits", status.fracture_splits);
   addValue(entry, "debris_pieces", status.debris_pieces);
   addValue(entry, "shortest_edge_relative", status.shortest_edge_relative);
   addValue(entry, "condition_estimate", status.condition_estimate);
@@ -123,6 +124,9 @@ void BodyCounter::fill(StepStatus& status, const Simulation& simulation) {
   status.pieces = simulation.pieces().count;
   status.cuts = simulation.numCuts();
   status.cells_left_whole = simulation.cellsLeftWhole();
+  status.fracture_splits = simulation.fracture().cells_split;
+  status.fracture_left_whole = simulation.fracture().cells_left_whole;
+  status.fracture_area_m2 = simulation.fracture().area_m2;
   status.volume_m3 = volume_m3_;
   status.volume_relative_error =
       std::abs(volume_m3_ + simulation.debris().volume_m3 - simulation.restVolume_m3()) /
@@ -147,6 +151,8 @@ void fillStep(StepStatus& status, const StepReport& report) {
   status.cutting_s = report.times.cutting_s;
   status.update_s = report.times.update_s;
   status.stress_s = report.times.stress_s;
+  status.fracture_s = report.times.fracture_s;
+  status.fracture_limited = report.fracture_limited;
   status.total_s = report.times.total_s;
   status.converged = report.converged;
   status.message = report.message;

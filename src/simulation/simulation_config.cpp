@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polyscalpel/simulation/simulation_config.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <limits>
 #include <set>
@@ -147,6 +148,17 @@ void validateTool(const std::string& path, const ToolConfig& tool, const Simulat
     throw std::invalid_argument(name + ": a blade needs the scene's cutting, which is not there");
 }
 
+void validateFracture(const SimulationConfig& config) {
+  if (!config.fracture) return;
+  validateAt("fracture", *config.fracture);
+  if (!config.cutting) throw std::invalid_argument("fracture: needs the scene's cutting, which is not there");
+  const bool can_tear =
+      config.material.strength_pa > 0 ||
+      std::any_of(config.regions.begin(), config.regions.end(),
+                  [](const RegionConfig& region) { return region.material.strength_pa > 0; });
+  if (!can_tear) throw std::invalid_argument("fracture: needs a material with strength_pa > 0");
+}
+
 // Without inertia nothing but what is fixed keeps a body in its place, and where time does not act nothing
 // moves.
 void validateMode(const SimulationConfig& config) {
@@ -183,6 +195,7 @@ void validate(const SimulationConfig& config) {
   }
   validateIntegration(config.integration);
   if (config.cutting) validateAt("cutting", *config.cutting);
+  validateFracture(config);
   if (config.contact) validateAt("contact", *config.contact);
   for (std::size_t i = 0; i < config.tools.size(); ++i)
     validateTool("tools[" + std::to_string(i) + "]", config.tools[i], config);

@@ -51,6 +51,20 @@ TEST(IsotropicMaterial, BoundsOfPoissonRatio) {
   }
 }
 
+TEST(IsotropicMaterial, BoundsOfStrengthAndToughness) {
+  for (const double good : {0.0, 1e-300, 1.0, 1e5}) {
+    EXPECT_EQ(complaint({1e4, 0.3, 1000, good, 0}), "") << good;
+    EXPECT_EQ(complaint({1e4, 0.3, 1000, 0, good}), "") << good;
+  }
+  EXPECT_EQ(complaint({1e4, 0.3, 1000, 1e12, 0}), "");
+  for (const double bad : {-1e-300, -1.0, kNan, kInf, -kInf}) {
+    EXPECT_NE(complaint({1e4, 0.3, 1000, bad, 0}).find("strength_pa = "), std::string::npos) << bad;
+    EXPECT_NE(complaint({1e4, 0.3, 1000, 0, bad}).find("[0, 100000]"), std::string::npos) << bad;
+  }
+  EXPECT_NE(complaint({1e4, 0.3, 1000, 0, std::nextafter(1e5, kInf)}).find("fracture_toughness_j_m2 = "),
+            std::string::npos);
+}
+
 TEST(IsotropicMaterial, UniaxialStressGivesYoungsModulusAndPoissonRatio) {
   for (const double nu : {-0.5, 0.0, 0.3, 0.49}) {
     const IsotropicMaterial material{2e5, nu, 1000};

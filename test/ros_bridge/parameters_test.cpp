@@ -60,6 +60,7 @@ TEST(Parameters, ReferenceSceneTellsEveryFieldWithItsDefaultAndRange) {
            "- {name: b, shape: {capsule: {}}}\n- {name: c, shape: {mesh: {path: parameters_test.cpp}}}\n",
        &fields);
   read("mesh: {ball: {}}\n", &fields);
+  read(kCutting + "material: {strength_pa: 1}\nfracture: {}\n", &fields);
   read(kFile +
            "regions: [{name: a, group: {name: b}, material: {}}, {name: b, group: {number: 1}, material: {}},"
            " {name: c, sphere: {radius_m: 1}, material: {}}]\n",
@@ -104,6 +105,10 @@ TEST(Parameters, EmptySectionsAreTheDefaultsOfTheStructs) {
   EXPECT_FALSE(read(kSmallest).simulation.cutting.has_value());
   EXPECT_FALSE(read(kSmallest).simulation.contact.has_value());
   EXPECT_FALSE(read(kSmallest).simulation.stress.has_value());
+  EXPECT_FALSE(read(kCutting).simulation.fracture.has_value());
+  EXPECT_EQ(
+      read(kCutting + "material: {strength_pa: 1}\nfracture: {}\n").simulation.fracture->max_splits_per_step,
+      FractureConfig().max_splits_per_step);
   EXPECT_TRUE(read(kSmallest).simulation.regions.empty());
   EXPECT_EQ(read(kSmallest + "stress: {}\n").simulation.stress->interval_steps,
             StressConfig().interval_steps);
@@ -183,6 +188,12 @@ TEST(Parameters, RefusesWhatIsOutOfRange) {
       {"stress: {}\nnode: {colour_range_pa: [-1, $]}", "1", "-1"},
       {"stress: {}\nnode: {colour_range_pa: [0, $]}", "0", "-1e-9"},
       {"stress: {}\nnode: {colour_range_pa: [1, $]}", "1.0001", "1"},
+      {"material: {strength_pa: $}", "0", "-1e-9"},
+      {"material: {fracture_toughness_j_m2: $}", "0", "-1e-9"},
+      {"material: {fracture_toughness_j_m2: $}", "100000", "100001"},
+      {"material: {strength_pa: 1}\ncutting: {}\nfracture: {max_splits_per_step: $}", "1", "0"},
+      {"material: {strength_pa: 1}\ncutting: {}\nfracture: {max_splits_per_step: $}", "1000000", "1000001"},
+      {"material: {strength_pa: 1}\ncutting: {}\nfracture: {max_splits_per_step: $}", "2", "1.5"},
       {"cutting: {snap_tolerance: $}", "0.2", "0.21"},
       {"cutting: {snap_tolerance: $}", "1e-6", "0"},
       {"cutting: {hold_back: $}", "2", "2.01"},
@@ -223,6 +234,10 @@ TEST(Parameters, RefusesWhatDoesNotFitTogether) {
   expectRefused([] { read(kSmallest + "tools: [{name: a}, {name: a}]\n"); }, {"a"});
   expectRefused([] { read(kSmallest + "tools: [{name: a, blade_edge_m: [[0, 0, 0], [0, 0, 1]]}]\n"); },
                 {"cutting"});
+  expectRefused([] { read(kSmallest + "material: {strength_pa: 1}\nfracture: {}\n"); },
+                {"fracture", "cutting"});
+  expectRefused([] { read(kCutting + "fracture: {}\n"); }, {"fracture", "strength_pa > 0"});
+  expectRefused([] { read(kSmallest + "cutting: {fracture_toughness_j_m2: 1}\n"); }, {"unknown key"});
   expectRefused([] { read(kSmallest + "tools: [{name: a, topic: b, follow_frame: c}]\n"); },
                 {"follow_frame"});
   expectRefused([] { read(kSmallest + "tools: [{name: a, frame: f}, {name: b, frame: f}]\n"); },

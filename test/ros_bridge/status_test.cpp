@@ -29,12 +29,16 @@ TEST(Status, TellsOfTheStep) {
   report.solves = 7;
   report.iterations = 5;
   report.times.stress_s = 1e-3;
+  report.times.fracture_s = 1.5e-3;
+  report.fracture_limited = true;
   report.times.total_s = 2e-3;
   StepStatus status;
   fillStep(status, report);
   EXPECT_EQ(status.solves, 7);
   EXPECT_EQ(status.newton_iterations, 5);
   EXPECT_EQ(status.stress_s, 1e-3);
+  EXPECT_EQ(status.fracture_s, 1.5e-3);
+  EXPECT_TRUE(status.fracture_limited);
   EXPECT_EQ(status.total_s, 2e-3);
 }
 

@@ -97,7 +97,7 @@ TEST(SimulatedCuts, ResetAndReplayAreBitForBit) {
 
 TEST(SimulatedCuts, ResistanceDoesTheWorkOfFracture) {
   SimulationConfig config = cuttingScene();
-  config.cutting->fracture_toughness_j_m2 = 200;
+  config.material.fracture_toughness_j_m2 = 200;
   config.material.youngs_modulus_pa = 1e6;  // hardly moves, so that the blade's travel is the relative one
   config.integration.gravity_m_s2.setZero();
   Simulation simulation(config);
@@ -117,6 +117,29 @@ TEST(SimulatedCuts, ResistanceDoesTheWorkOfFracture) {
   }
   EXPECT_NEAR(area, 0.1 * 0.1, 1e-6);
   EXPECT_NEAR(work, 200 * area, 1e-3 * work);
+}
+
+TEST(SimulatedCuts, EachMaterialResistsWithItsOwnToughness) {
+  SimulationConfig config = cuttingScene();
+  config.material.fracture_toughness_j_m2 = 50;
+  config.material.youngs_modulus_pa = 1e6;
+  config.integration.gravity_m_s2.setZero();
+  RegionConfig tough;
+  tough.name = "tough";
+  tough.cells = RegionBox{{0.05, 0, 0}, {0.1, 0.1, 0.05}};
+  tough.material = config.material;
+  tough.material.fracture_toughness_j_m2 = 200;
+  config.regions = {tough};
+  Simulation simulation(config);
+  double work = 0;
+  for (int step = 0; step <= kCuttingSteps; ++step) {
+    const StepReport report = simulation.step({cuttingPose(step)});
+    if (step == 0) continue;
+    const Eigen::Vector3d force = cuttingPose(step).linear() * report.tools[0].wrench_tool.force;
+    work -= force.dot(cuttingPose(step).translation() - cuttingPose(step - 1).translation());
+  }
+  const double expected = (50 + 200) * 0.05 * 0.1;  // half of the area each
+  EXPECT_NEAR(work, expected, 1e-3 * expected);
 }
 
 TEST(SimulatedCuts, TwoBladesCutTheSameBody) {

@@ -27,6 +27,8 @@ SimulationConfig fullScene() {
   config.regions[1].name = "vein";
   config.regions[1].cells = RegionBox();
   config.stress = StressConfig();
+  config.fracture = FractureConfig();
+  config.material.strength_pa = 1e4;
   ToolConfig tool;
   tool.name = "scalpel_1";
   tool.shape = ShapeConfig();
@@ -71,6 +73,39 @@ void check(const Bound& bound) {
 TEST(SimulationConfig, DefaultsAndAFullSceneAreValid) {
   EXPECT_NO_THROW(validate(SimulationConfig()));
   EXPECT_NO_THROW(validate(fullScene()));
+}
+
+TEST(SimulationConfig, FractureNeedsCuttingAStrengthAndARate) {
+  const auto refusal = [](const SimulationConfig& config) -> std::string {
+    try {
+      validate(config);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  SimulationConfig config = fullScene();
+  for (const int good : {1, 2, 1000000}) {
+    config.fracture->max_splits_per_step = good;
+    EXPECT_EQ(refusal(config), "");
+  }
+  for (const int bad : {0, -1, 1000001}) {
+    config.fracture->max_splits_per_step = bad;
+    EXPECT_EQ(refusal(config),
+              "fracture.max_splits_per_step = " + std::to_string(bad) + ": must be in [1, 1000000]");
+  }
+  config = fullScene();
+  config.material.strength_pa = 0;
+  EXPECT_EQ(refusal(config), "fracture: needs a material with strength_pa > 0");
+  config.regions[1].material.strength_pa = 1;
+  EXPECT_EQ(refusal(config), "");
+  config.fracture.reset();
+  config.regions[1].material.strength_pa = 0;
+  EXPECT_EQ(refusal(config), "") << "no strength is needed where nothing tears";
+  config = fullScene();
+  config.cutting.reset();
+  config.tools[0].blade_edge_tool.reset();
+  EXPECT_EQ(refusal(config), "fracture: needs the scene's cutting, which is not there");
 }
 
 TEST(SimulationConfig, HoldsEveryBoundOfItsNumbers) {
@@ -201,6 +236,14 @@ TEST(SimulationConfig, HoldsEveryBoundOfItsNumbers) {
        [](SimulationConfig& c, double v) { c.element.stabilisation_scale = v; },
        {2},
        {0}},
+      {"material.strength_pa",
+       [](SimulationConfig& c, double v) { c.material.strength_pa = v; },
+       {kTiny, 1e9},
+       {-kTiny}},
+      {"regions[1].material.fracture_toughness_j_m2",
+       [](SimulationConfig& c, double v) { c.regions[1].material.fracture_toughness_j_m2 = v; },
+       {0, 1e5},
+       {-kTiny, 1.01e5}},
       {"cutting.debris_volume_m3",
        [](SimulationConfig& c, double v) { c.cutting->debris_volume_m3 = v; },
        {0, kTiny, 1e6},
@@ -266,7 +309,10 @@ TEST(SimulationConfig, RefusesWhatDoesNotGoTogether) {
   for (const char* name : {"", "1st", "my tool", "a/b", "_a", "a-b"}) {
     refuse("tools[0].name", [&](SimulationConfig& c) { c.tools[0].name = name; });
   }
-  refuse("tools[0].blade_edge_tool", [](SimulationConfig& c) { c.cutting.reset(); });
+  refuse("tools[0].blade_edge_tool", [](SimulationConfig& c) {
+    c.fracture.reset();
+    c.cutting.reset();
+  });
   refuse("tools[0].blade_edge_tool",
          [](SimulationConfig& c) { c.tools[0].blade_edge_tool = Eigen::Matrix3Xd(3, 1); });
   refuse("mesh.path", [](SimulationConfig& c) { c.mesh = MeshFileConfig(); });

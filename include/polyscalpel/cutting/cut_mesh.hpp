@@ -25,8 +25,6 @@ struct CuttingConfig {
   double max_travel = 0.25;           ///< in [1e-3, 1]: the blade's travel in one sub-step, times h
   double close_front_after_s = 0.05;  ///< in [0, 1e6] [s]: a blade within the tissue that has not moved for
                                       ///< so long has the slit reach it
-  double fracture_toughness_j_m2 =
-      0;  ///< in [0, 1e5]: energy per new cut area, felt by the tool as resistance
   /// In [0, inf): a cut's pieces of a smaller rest volume are taken away, but never the largest piece of the
   /// body; 0: none is. Followed by Simulation, not by cutMesh.
   double debris_volume_m3 = 0;

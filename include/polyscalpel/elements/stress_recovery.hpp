@@ -36,6 +36,11 @@ struct StressField {
 StressField recoverStress(const PolyhedralMesh& mesh, const Assembly& assembly,
                           const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
+/// Means at the vertices of the stresses of these cells alone (6 x cells), 6 x numVertices() [Pa], weighted
+/// as StressField::vertex_stresses; 0 at a vertex of none of them.
+SymmetricTensors smoothStresses(const PolyhedralMesh& mesh, const Assembly& assembly,
+                                const std::vector<CellId>& cells, const SymmetricTensors& cell_stresses);
+
 /// Von Mises' equivalent stress of each column [Pa].
 Eigen::VectorXd vonMises(const SymmetricTensors& stresses);
 /// Principal values of each column, 3 x k, descending [Pa].

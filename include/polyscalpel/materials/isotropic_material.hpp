@@ -11,6 +11,10 @@ struct IsotropicMaterial {
   double youngs_modulus_pa = 1e4;  ///< E, > 0
   double poisson_ratio = 0.45;     ///< nu, in (-1, 0.5)
   double density_kg_m3 = 1000;     ///< > 0
+  /// In [0, inf): tension at which the material tears by itself, where the scene asks for fracture; 0: never.
+  double strength_pa = 0;
+  /// In [0, 1e5]: energy of a new area of crack [J/m^2], whether a blade opens it or the stress.
+  double fracture_toughness_j_m2 = 0;
 };
 
 /// Throws std::invalid_argument with name, value and range.

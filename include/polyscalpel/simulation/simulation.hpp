@@ -29,7 +29,9 @@ struct StageTimes {
   double cutting_s = 0;    ///< crossings and splits
   double update_s = 0;     ///< matrices, pattern and surface after a cut
   double stress_s = 0;     ///< stress and error estimate
-  double total_s = 0;      ///< the whole step
+  double fracture_s =
+      0;               ///< stress that drives cracks, and their growth; update_s holds what follows from it
+  double total_s = 0;  ///< the whole step
 };
 
 /// A contact as it acted in a step.
@@ -57,13 +59,27 @@ struct ToolReport {
   std::string refusal;  ///< why its motion was not cut (CutStatus::kRefused); empty otherwise
 };
 
+enum class CutCause {
+  kTool,      ///< a blade's motion
+  kRequest,   ///< cut() or cutAll()
+  kFracture,  ///< stress
+};
+
 /// A change of topology, for the cut_events topic.
 struct CutEvent {
-  int tool = -1;     ///< -1: the cut service
+  CutCause cause = CutCause::kRequest;
+  int tool = -1;     ///< whose blade it was; -1 where the cause is another
   CutResult result;  ///< of the cut alone; pieces_after counts the debris too
   CutBalance balance;
   Debris debris;
   std::vector<PieceProperties> pieces;  ///< after the cut and without the debris
+};
+
+/// What stress has torn.
+struct FractureCounts {
+  int cells_split = 0;
+  int cells_left_whole = 0;  ///< that should have split and could not be split soundly
+  double area_m2 = 0;        ///< of cracks in rest shape, each counted once
 };
 
 struct StepReport {
@@ -77,6 +93,7 @@ struct StepReport {
   std::vector<ToolReport> tools;  ///< one a tool of the config
   std::vector<AppliedContact> contacts;
   std::vector<CutEvent> cuts;
+  bool fracture_limited = false;  ///< more would have torn but for FractureConfig::max_splits_per_step
 };
 
 /// A soft body, tools and their motion. Single-threaded: one thread may call it at a time.
@@ -122,9 +139,12 @@ class Simulation {
   std::int64_t stepCount() const;
   double time_s() const;         ///< stepCount() * time_step_s
   double restVolume_m3() const;  ///< of the mesh before any cut
-  /// Strokes of blades that have split something, and cuts by cut(), since the start or the last reset.
+  /// Strokes of blades that have split something, cuts by cut() and cracks, since the start or the last
+  /// reset.
   int numCuts() const;
-  int cellsLeftWhole() const;  ///< summed over these cuts
+  int cellsLeftWhole() const;  ///< summed over these cuts, without cracks
+  /// By stress alone, since the start or the last reset.
+  const FractureCounts& fracture() const;
   /// What was taken away as debris since the start or the last reset, without the changes.
   const Debris& debris() const;
   /// How thin the cells have become; nothing in a scene without cutting.
@@ -139,7 +159,7 @@ class Simulation {
   /// time, and in a scene without StressConfig. Valid until the next step, cut or reset.
   const StressField* stressField() const;
   /// Names of the parts built for this scene, of "mesh", "elements", "dynamics", "statics",
-  /// "quasi-statics", "contact", "cutting", "tools", "stress".
+  /// "quasi-statics", "contact", "cutting", "fracture", "tools", "stress".
   const std::vector<std::string>& parts() const;
   /// What a user should know about the mesh file.
   const std::vector<std::string>& remarks() const;

@@ -10,6 +10,7 @@
 
 #include "polyscalpel/collision/contact_forces.hpp"
 #include "polyscalpel/collision/tool_shape.hpp"
+#include "polyscalpel/cutting/crack_growth.hpp"
 #include "polyscalpel/cutting/cut_mesh.hpp"
 #include "polyscalpel/elements/element_config.hpp"
 #include "polyscalpel/materials/isotropic_material.hpp"
@@ -116,14 +117,16 @@ struct SimulationConfig {
   std::vector<FixedRegion> fixed;
   IntegrationConfig integration;
   std::optional<CuttingConfig> cutting;  ///< none: neither blades nor the cut service
+  /// None: nothing tears by itself. Needs cutting and a material with a strength.
+  std::optional<FractureConfig> fracture;
   std::optional<ContactConfig> contact;  ///< none: no collision surface, no contact forces
   std::vector<ToolConfig> tools;
   std::optional<StressConfig> stress;  ///< none: no stress is computed
 };
 
 /// Throws std::invalid_argument with the field's path, value and range; also for two tools of one name, a
-/// blade without cutting, two regions of one name, a static or quasi-static scene with nothing fixed, a
-/// static one with contact or tools.
+/// blade or fracture without cutting, fracture without a strength, two regions of one name, a static or
+/// quasi-static scene with nothing fixed, a static one with contact or tools.
 void validate(const SimulationConfig& config);
 
 }  // namespace polyscalpel
