@@ -183,6 +183,17 @@ visualization_msgs::Marker makeWireframeMarker(const PolyhedralMesh& mesh,
   return marker;
 }
 
+visualization_msgs::Marker makePointMarker(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                           double diameter_m) {
+  visualization_msgs::Marker marker;
+  marker.type = visualization_msgs::Marker::SPHERE_LIST;
+  marker.action = visualization_msgs::Marker::ADD;
+  marker.pose.orientation.w = 1;
+  marker.scale.x = marker.scale.y = marker.scale.z = diameter_m;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) marker.points.push_back(toPointMsg(points.col(i)));
+  return marker;
+}
+
 std::vector<PieceSummary> summarisePieces(const PolyhedralMesh& mesh, const Pieces& pieces,
                                           const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
   struct Sums {
