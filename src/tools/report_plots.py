@@ -128,6 +128,40 @@ def cutting(rows, path):
     return True
 
 
+def cell_counts(rows, path):
+    """Cells against re-tessellated ones, and the cells by their number of vertices."""
+    rows = [row for row in rows if "times_fewest" in row]
+    if not rows:
+        return False
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 5.0))
+    names = [f"{row['body']}, {row['blades'].split(',')[0]}".replace(" bent", "\nbent") for row in rows]
+    counts = [("cells", "polyhedra"), ("tetrahedra_fewest", "tetrahedra, fewest"),
+              ("tetrahedra_with_middles", "tetrahedra, with middles")]
+    for i, (key, label) in enumerate(counts):
+        bars = left.bar([j + 0.27 * (i - 1) for j in range(len(rows))], [row[key] for row in rows], 0.25, color=COLOURS[i],
+                        label=label, hatch=["", "//", ".."][i], edgecolor="white")
+        if i > 0:
+            left.bar_label(bars, [f"{row[key] / row['cells']:.1f}x" for row in rows], fontsize=9, rotation=90, padding=2)
+    left.set_xticks(range(len(rows)), names, rotation=35, ha="right", fontsize=9.5)
+    left.set_ylabel("cells")
+    left.margins(y=0.12)
+    left.grid(axis="x", visible=False)
+    left.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
+    left.tick_params(axis="y", labelsize=9.5)
+    vertices = [*range(4, 13), "more"]
+    for i, row in enumerate(rows):
+        parts = [100 * row[f"cells_of_{n}_vertices"] / row["cells"] for n in vertices]
+        right.plot(range(len(vertices)), parts, label=names[i].replace("\n", " "), **_style(i))
+    right.set_xticks(range(len(vertices)), vertices)
+    right.set_xlabel("vertices of a cell")
+    right.set_ylabel("part of the cells [%]")
+    right.legend(fontsize=9.5)
+    figure.legend(*left.get_legend_handles_labels(), loc="lower center", ncol=3, fontsize=10)
+    figure.tight_layout(rect=(0, 0.06, 1, 1))
+    _save(figure, path)
+    return True
+
+
 def integration(rows, path):
     rows = [row for row in rows if "error_after_1_s" in row]
     if not rows:
@@ -222,4 +256,5 @@ def _legend_index(rows, key):
     return keys.index(key)
 
 
-PLOTS = {"formulations": formulations, "cutting": cutting, "integration": integration, "stages": stages, "peers": peers}
+PLOTS = {"formulations": formulations, "cutting": cutting, "cell_counts": cell_counts, "integration": integration,
+         "stages": stages, "peers": peers}
