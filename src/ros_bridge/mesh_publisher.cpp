@@ -147,7 +147,7 @@ void MeshPublisher::addPending(visualization_msgs::MarkerArray& array) const {
   for (std::size_t tool = 0; tool < tool_parts_.size(); ++tool) {
     const int i = static_cast<int>(tool);
     if (simulation_.numPending(i) == 0) continue;
-    Marker marker = named(makePointMarker(simulation_.pendingPoints(i), 0.006 * body_size_m_), "pending", i);
+    Marker marker = named(makePointMarker(simulation_.pendingPoints(i), 0.009 * body_size_m_), "pending", i);
     marker.color = toColourMsg(kPendingColour);
     array.markers.push_back(std::move(marker));
   }

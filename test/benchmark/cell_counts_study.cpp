@@ -54,8 +54,6 @@ Row countCells(const CutBody& body, const std::string& cuts) {
 }  // namespace
 
 Rows studyCellCounts(const Context& context) {
-  // How many legs: such that 40,000 to 44,000 cells are left of some 8,300 tetrahedra.
-  constexpr int kLegsInBall = 2, kLegsInBunny = 3;
   const int cuts = context.byMode(5, 17, 17), half_count = context.byMode(3, 6, 6);
   const std::string& bunny = context.bunny_mesh;
   struct Subject {
