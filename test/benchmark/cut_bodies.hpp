@@ -46,9 +46,9 @@ CutBody makeCutBall(int half_count, int num_cuts);
 /// A volume mesh from a file under the same kind of cuts, its lowest tenth fixed.
 CutBody makeCutFile(const std::string& name, const std::string& path, int num_cuts);
 
-/// The same ball under cuts that leave many more cells: each by one blade bent like a hairpin, its legs, bowed
-/// and joined outside of the body, side by side; the blade turns and wanders as it passes the whole body,
-/// along -z, across that, and along x in turns. The cuts of one direction lie at equal distances.
+/// The same ball under cuts that leave many more cells: each by one blade bent like a hairpin, its legs,
+/// bowed and joined outside of the body, side by side; the blade turns and wanders as it passes the whole
+/// body, along -z, across that, and along x in turns. The cuts of one direction lie at equal distances.
 CutBody makeHairpinCutBall(int half_count, int num_cuts, int legs);
 
 /// A volume mesh from a file under such cuts.
