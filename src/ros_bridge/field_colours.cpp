@@ -8,7 +8,7 @@
 
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/mesh/surface.hpp"
-#include "polyscalpel/ros_bridge/conversions.hpp"
+#include "polyscalpel/ros_bridge/geometry_conversions.hpp"
 
 namespace polyscalpel {
 namespace {

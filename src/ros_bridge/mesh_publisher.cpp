@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <numeric>
 
-#include "polyscalpel/ros_bridge/conversions.hpp"
 #include "polyscalpel/ros_bridge/field_colours.hpp"
+#include "polyscalpel/ros_bridge/geometry_conversions.hpp"
 #include "polyscalpel/ros_bridge/piece_colours.hpp"
 
 namespace polyscalpel {

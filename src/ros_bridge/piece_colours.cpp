@@ -5,7 +5,7 @@
 #include <array>
 
 #include "polyscalpel/core/checks.hpp"
-#include "polyscalpel/ros_bridge/conversions.hpp"
+#include "polyscalpel/ros_bridge/geometry_conversions.hpp"
 
 namespace polyscalpel {
 namespace {

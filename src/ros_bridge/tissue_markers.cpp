@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "polyscalpel/mesh/surface.hpp"
-#include "polyscalpel/ros_bridge/conversions.hpp"
+#include "polyscalpel/ros_bridge/geometry_conversions.hpp"
 
 namespace polyscalpel {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "polyscalpel/ros_bridge/conversions.hpp"
+#include "polyscalpel/ros_bridge/geometry_conversions.hpp"
 
 namespace polyscalpel {
 

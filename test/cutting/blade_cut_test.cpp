@@ -6,8 +6,8 @@
 
 #include "polyscalpel/cutting/cut_mesh.hpp"
 #include "polyscalpel/mesh/mesh_checks.hpp"
-#include "polyscalpel/mesh/mesh_generation.hpp"
 #include "polyscalpel/mesh/surface.hpp"
+#include "support/unit_cube.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -16,27 +16,18 @@ using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
-using Eigen::Vector3i;
-
-PolyhedralMesh tets() {
-  return makeTetBox(Vector3d::Zero(), Vector3d::Ones(), Vector3i::Constant(5));
-}
 
 Matrix3Xd verticalBlade() {
-  Matrix3Xd edge(3, 2);
-  edge << 0, 0, 0, 0, -2, 2;
-  return edge;
+  return bladeFromTo({0, 0, -2}, {0, 0, 2});
 }
 
 Isometry3d at(double x, double y, double z = 0.5) {
-  Isometry3d T = Isometry3d::Identity();
-  T.translation() = Vector3d(x, y, z);
-  return T;
+  return polyscalpel::at(Vector3d(x, y, z));
 }
 
 /// A blade and a body that each follow a path; the body moves as a rigid body.
 struct Stroke {
-  PolyhedralMesh mesh = tets();
+  PolyhedralMesh mesh = unitTets(5);
   BladeCut blade = BladeCut(verticalBlade(), {});
   int splits = 0, cuts = 0, pieces = 1;
 
