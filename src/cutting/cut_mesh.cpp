@@ -351,6 +351,20 @@ void BladeCut::update(const PolyhedralMesh& mesh, const MeshChange& change) {
 int BladeCut::numPending() const {
   return static_cast<int>(impl_->crossings.edges().size());
 }
+
+Matrix3Xd BladeCut::pendingPoints(const Positions& positions) const {
+  std::vector<std::pair<Edge, double>> weights;
+  for (const auto& [edge, crossed] : impl_->crossings.edges()) weights.emplace_back(edge, crossed.weight);
+  std::sort(weights.begin(), weights.end());
+  Matrix3Xd points(3, weights.size());
+  Eigen::Index i = 0;
+  for (const auto& [edge, weight] : weights) {
+    points.col(i++) =
+        (1 - weight) * positions.col(edge.first.index()) + weight * positions.col(edge.second.index());
+  }
+  return points;
+}
+
 double BladeCut::travelInSizes() const {
   return impl_->last_travel_in_sizes;
 }

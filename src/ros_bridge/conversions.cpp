@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polyscalpel/ros_bridge/conversions.hpp"
 
-#include <cmath>
 #include <sstream>
 #include <stdexcept>
 
 namespace polyscalpel {
 namespace {
-
-constexpr double kQuaternionTolerance = 1e-3;
-
-Eigen::Vector4d quaternion(const geometry_msgs::Quaternion& xyzw) {
-  return {xyzw.x, xyzw.y, xyzw.z, xyzw.w};
-}
 
 [[noreturn]] void refuse(const std::string& field, const Eigen::Ref<const Eigen::VectorXd>& value,
                          const std::string& rule) {
@@ -76,7 +69,7 @@ SweepCut readSweep(const std::vector<geometry_msgs::Point>& edge,
         refuse(item(poses_field, i) + ".position", fromMsg(pose.position),
                "position and orientation must be finite");
       case PoseCheck::kBadQuaternion:
-        refuse(item(poses_field, i) + ".orientation", quaternion(pose.orientation),
+        refuse(item(poses_field, i) + ".orientation", fromMsg(pose.orientation),
                "must be a unit quaternion, its norm within 1e-3 of 1");
       case PoseCheck::kGood:
         sweep.T_world_tool.push_back(T_world_frame * fromMsg(pose));
@@ -87,82 +80,11 @@ SweepCut readSweep(const std::vector<geometry_msgs::Point>& edge,
 
 }  // namespace
 
-geometry_msgs::Point toPointMsg(const Eigen::Vector3d& point) {
-  geometry_msgs::Point msg;
-  msg.x = point.x();
-  msg.y = point.y();
-  msg.z = point.z();
-  return msg;
-}
-
-geometry_msgs::Vector3 toVectorMsg(const Eigen::Vector3d& vector) {
-  geometry_msgs::Vector3 msg;
-  msg.x = vector.x();
-  msg.y = vector.y();
-  msg.z = vector.z();
-  return msg;
-}
-
-geometry_msgs::Transform toTransformMsg(const Eigen::Isometry3d& T_a_b) {
-  const Eigen::Quaterniond q(T_a_b.linear());
-  geometry_msgs::Transform msg;
-  msg.translation = toVectorMsg(T_a_b.translation());
-  msg.rotation.x = q.x();
-  msg.rotation.y = q.y();
-  msg.rotation.z = q.z();
-  msg.rotation.w = q.w();
-  return msg;
-}
-
-geometry_msgs::Pose toPoseMsg(const Eigen::Isometry3d& T_a_b) {
-  geometry_msgs::Pose msg;
-  msg.position = toPointMsg(T_a_b.translation());
-  msg.orientation = toTransformMsg(T_a_b).rotation;
-  return msg;
-}
-
 geometry_msgs::Wrench toMsg(const Wrench& wrench) {
   geometry_msgs::Wrench msg;
   msg.force = toVectorMsg(wrench.force);
   msg.torque = toVectorMsg(wrench.torque);
   return msg;
-}
-
-std_msgs::ColorRGBA toColourMsg(const Eigen::Vector4d& rgba) {
-  std_msgs::ColorRGBA msg;
-  msg.r = static_cast<float>(rgba(0));
-  msg.g = static_cast<float>(rgba(1));
-  msg.b = static_cast<float>(rgba(2));
-  msg.a = static_cast<float>(rgba(3));
-  return msg;
-}
-
-Eigen::Vector3d fromMsg(const geometry_msgs::Point& point) {
-  return {point.x, point.y, point.z};
-}
-
-Eigen::Vector3d fromMsg(const geometry_msgs::Vector3& vector) {
-  return {vector.x, vector.y, vector.z};
-}
-
-Eigen::Isometry3d fromMsg(const geometry_msgs::Pose& pose) {
-  Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();
-  T_a_b.linear() = Eigen::Quaterniond(quaternion(pose.orientation)).normalized().toRotationMatrix();
-  T_a_b.translation() = fromMsg(pose.position);
-  return T_a_b;
-}
-
-Eigen::Isometry3d fromMsg(const geometry_msgs::Transform& transform) {
-  Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();
-  T_a_b.linear() = Eigen::Quaterniond(quaternion(transform.rotation)).normalized().toRotationMatrix();
-  T_a_b.translation() = fromMsg(transform.translation);
-  return T_a_b;
-}
-
-PoseCheck checkPose(const geometry_msgs::Pose& pose) {
-  const Eigen::Vector4d xyzw = quaternion(pose.orientation);
-  if (!fromMsg(pose.position).allFinite() || !xyzw.allFinite()) return PoseCheck::kNotFinite;
-  return std::abs(xyzw.norm() - 1) <= kQuaternionTolerance ? PoseCheck::kGood : PoseCheck::kBadQuaternion;
 }
 
 std::vector<CutOperation> fromMsg(const Cut::Request& request, const Eigen::Isometry3d& T_world_frame) {

@@ -5,22 +5,12 @@
 
 #include <polyscalpel/CutEvent.h>
 
+#include "polyscalpel/ros_bridge/geometry_conversions.hpp"
+
 namespace polyscalpel {
 
 CutEventPublisher::CutEventPublisher(ros::NodeHandle& node_handle, std::string world_frame)
     : publisher_(node_handle.advertise<CutEvent>("cut_events", 1000)), world_frame_(std::move(world_frame)) {}
-
-namespace {
-
-geometry_msgs::Vector3 toVector(const Eigen::Vector3d& vector) {
-  geometry_msgs::Vector3 msg;
-  msg.x = vector.x();
-  msg.y = vector.y();
-  msg.z = vector.z();
-  return msg;
-}
-
-}  // namespace
 
 void CutEventPublisher::publish(const CutReport& report, const PolyhedralMesh& mesh,
                                 const std::string& source, const ros::Time& stamp, double time_s) const {
@@ -51,8 +41,8 @@ void CutEventPublisher::publish(const CutReport& report, const PolyhedralMesh& m
   msg.cells_split = result.cells_split;
   msg.cells_left_whole = result.cells_left_whole;
   msg.cut_area_m2 = result.cut_area_m2;
-  msg.momentum_change = toVector(report.balance.momentum_change);
-  msg.angular_momentum_change = toVector(report.balance.angular_momentum_change);
+  msg.momentum_change = toVectorMsg(report.balance.momentum_change);
+  msg.angular_momentum_change = toVectorMsg(report.balance.angular_momentum_change);
   msg.kinetic_energy_change_j = report.balance.kinetic_energy_change_j;
   msg.elastic_energy_before_j = report.balance.elastic_energy_before_j;
   msg.elastic_energy_after_j = report.balance.elastic_energy_after_j;

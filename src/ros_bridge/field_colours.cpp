@@ -8,7 +8,7 @@
 
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/mesh/surface.hpp"
-#include "polyscalpel/ros_bridge/conversions.hpp"
+#include "polyscalpel/ros_bridge/geometry_conversions.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -53,9 +53,10 @@ Eigen::VectorXd valuesOfAll(const PolyhedralMesh& mesh, const StressField& field
     case ColourBy::kError:
       return vertexErrors(mesh, field);
     case ColourBy::kNone:
+    case ColourBy::kPiece:
       break;
   }
-  POLYSCALPEL_ASSERT(colour_by != ColourBy::kNone);
+  POLYSCALPEL_ASSERT(!"a colouring that shows no field");
   return {};
 }
 

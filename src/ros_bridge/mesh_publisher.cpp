@@ -6,8 +6,9 @@
 #include <cstdio>
 #include <numeric>
 
-#include "polyscalpel/ros_bridge/conversions.hpp"
 #include "polyscalpel/ros_bridge/field_colours.hpp"
+#include "polyscalpel/ros_bridge/geometry_conversions.hpp"
+#include "polyscalpel/ros_bridge/piece_colours.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -25,6 +26,7 @@ constexpr std::uint32_t kLockstepQueue = 500;
 constexpr double kColourLabelHeight = 0.25;
 const Rgba kWireColour(0.15, 0.05, 0.05, 0.6);
 const Rgba kBladeColour(1.0, 0.95, 0.6, 1);
+const Rgba kPendingColour(0.25, 0.85, 1.0, 1);
 const Rgba kArrowColour(1.0, 0.82, 0.15, 1);
 const Rgba kLabelColour(1, 1, 1, 1);
 
@@ -70,7 +72,8 @@ void MeshPublisher::addSurface(visualization_msgs::MarkerArray& array) const {
   const PolyhedralMesh& mesh = simulation_.mesh();
   const Eigen::Matrix3Xd& positions = simulation_.positions();
   const NodeConfig& node = parameters_.node;
-  const StressField* field = node.colour_by == ColourBy::kNone ? nullptr : simulation_.stressField();
+  const bool shows_field = node.colour_by != ColourBy::kNone && node.colour_by != ColourBy::kPiece;
+  const StressField* field = shows_field ? simulation_.stressField() : nullptr;
   Eigen::VectorXd values;
   Eigen::Vector2d range_pa = Eigen::Vector2d::Zero();
   if (field != nullptr) {
@@ -89,6 +92,7 @@ void MeshPublisher::addSurface(visualization_msgs::MarkerArray& array) const {
     const SurfaceTriangles triangles = makeSurfaceTriangles(mesh, positions, cut_faces);
     Marker marker = named(makeTriangleMarker(triangles, rgba), name, 0);
     if (field != nullptr) colourByValues(marker, mesh, triangles, values, range_pa);
+    if (node.colour_by == ColourBy::kPiece) colourByPieces(marker, mesh, triangles, simulation_.pieces());
     array.markers.push_back(std::move(marker));
   };
   add(false, node.surface_colour_rgba, "surface");
@@ -138,6 +142,17 @@ void MeshPublisher::addTool(visualization_msgs::MarkerArray& array, std::size_t 
   array.markers.push_back(std::move(blade));
 }
 
+void MeshPublisher::addPending(visualization_msgs::MarkerArray& array) const {
+  if (!parameters_.node.pending_points) return;
+  for (std::size_t tool = 0; tool < tool_parts_.size(); ++tool) {
+    const int i = static_cast<int>(tool);
+    if (simulation_.numPending(i) == 0) continue;
+    Marker marker = named(makePointMarker(simulation_.pendingPoints(i), 0.009 * body_size_m_), "pending", i);
+    marker.color = toColourMsg(kPendingColour);
+    array.markers.push_back(std::move(marker));
+  }
+}
+
 void MeshPublisher::addContacts(visualization_msgs::MarkerArray& array,
                                 const std::vector<AppliedContact>& contacts) const {
   std::vector<std::size_t> order(contacts.size());
@@ -167,6 +182,7 @@ void MeshPublisher::publish(const std::vector<std::optional<Eigen::Isometry3d>>&
                             const std::vector<AppliedContact>& contacts, const ros::Time& stamp) {
   visualization_msgs::MarkerArray array;
   addTissue(array);
+  addPending(array);
   for (std::size_t i = 0; i < T_world_tool.size(); ++i)
     if (T_world_tool[i]) addTool(array, i, *T_world_tool[i]);
   addContacts(array, contacts);

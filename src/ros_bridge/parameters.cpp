@@ -156,11 +156,12 @@ StressConfig readStress(YamlMap map) {
 void readColouring(YamlMap& map, bool has_stress, NodeConfig& config) {
   readWord(map, "colour_by", config.colour_by,
            {{"none", ColourBy::kNone},
+            {"piece", ColourBy::kPiece},
             {"von_mises", ColourBy::kVonMises},
             {"max_principal", ColourBy::kMaxPrincipal},
             {"error", ColourBy::kError}});
-  if (config.colour_by != ColourBy::kNone && !has_stress)
-    map.refuse("colour_by", "needs the scene's stress, which is not there");
+  const bool shows_stress = config.colour_by != ColourBy::kNone && config.colour_by != ColourBy::kPiece;
+  if (shows_stress && !has_stress) map.refuse("colour_by", "needs the scene's stress, which is not there");
   map.numbers("colour_range_pa", config.colour_range_pa, kAnyNumber);
   const bool is_automatic = config.colour_range_pa.isZero(0);
   if (!is_automatic && !(config.colour_range_pa(0) < config.colour_range_pa(1)))
@@ -184,6 +185,7 @@ void readNode(YamlMap map, bool has_stress, NodeConfig& config) {
   map.number("mesh_rate_hz", config.mesh_rate_hz, {0, 1000, true, false});
   map.boolean("wireframe", config.wireframe);
   map.boolean("piece_labels", config.piece_labels);
+  map.boolean("pending_points", config.pending_points);
   map.number("contact_arrow_m_per_n", config.contact_arrow_m_per_n, {0, 1000, true, false});
   readColour(map, "surface_colour_rgba", config.surface_colour_rgba);
   readColour(map, "cut_colour_rgba", config.cut_colour_rgba);

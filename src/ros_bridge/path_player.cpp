@@ -8,7 +8,7 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <ros/ros.h>
 
-#include "polyscalpel/ros_bridge/conversions.hpp"
+#include "polyscalpel/ros_bridge/geometry_conversions.hpp"
 #include "polyscalpel/ros_bridge/parameters.hpp"
 #include "polyscalpel/ros_bridge/resource_path.hpp"
 

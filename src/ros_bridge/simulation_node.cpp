@@ -349,7 +349,6 @@ void SimulationNode::step(const ToolPoses& T_world_tool, const ros::Time& stamp)
     if (report.tools[i].reseated && tool.enabled) ++tool.jumps;
     tool.enabled = report.tools[i].enabled;
     tool.reseated = report.tools[i].reseated;
-    tool.pending_crossings = report.tools[i].pending_crossings;
     tool.refusal = report.tools[i].refusal;
     if (!tool.refusal.empty()) ROS_WARN("tool %s: not cut: %s", tool.name.c_str(), tool.refusal.c_str());
   }
@@ -414,7 +413,10 @@ void SimulationNode::publishStatus() {
   fillStep(status_, report_);
   fillStress(status_, simulation_.stressField());
   body_counter_.fill(status_, simulation_);
-  for (std::size_t i = 0; i < trackers_.size(); ++i) fillTool(status_.tools[i], trackers_[i].counters());
+  for (std::size_t i = 0; i < trackers_.size(); ++i) {
+    fillTool(status_.tools[i], trackers_[i].counters());
+    status_.tools[i].pending_crossings = simulation_.numPending(static_cast<int>(i));
+  }
   status_publisher_.publish(status_);
 }
 

@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "polyscalpel/mesh/surface.hpp"
-#include "polyscalpel/ros_bridge/conversions.hpp"
+#include "polyscalpel/ros_bridge/geometry_conversions.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -180,6 +180,17 @@ visualization_msgs::Marker makeWireframeMarker(const PolyhedralMesh& mesh,
     marker.points.push_back(toPointMsg(positions.col(start.index())));
     marker.points.push_back(toPointMsg(positions.col(end.index())));
   }
+  return marker;
+}
+
+visualization_msgs::Marker makePointMarker(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                           double diameter_m) {
+  visualization_msgs::Marker marker;
+  marker.type = visualization_msgs::Marker::SPHERE_LIST;
+  marker.action = visualization_msgs::Marker::ADD;
+  marker.pose.orientation.w = 1;
+  marker.scale.x = marker.scale.y = marker.scale.z = diameter_m;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) marker.points.push_back(toPointMsg(points.col(i)));
   return marker;
 }
 

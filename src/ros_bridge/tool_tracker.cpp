@@ -4,19 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include "polyscalpel/ros_bridge/conversions.hpp"
+#include "polyscalpel/cutting/blade_sweep.hpp"
+#include "polyscalpel/ros_bridge/geometry_conversions.hpp"
 
 namespace polyscalpel {
-
-Eigen::Isometry3d interpolate(const Eigen::Isometry3d& T_world_start, const Eigen::Isometry3d& T_world_end,
-                              double s) {
-  const Eigen::Quaterniond start(T_world_start.linear());
-  const Eigen::Quaterniond end(T_world_end.linear());
-  Eigen::Isometry3d T_world_tool = Eigen::Isometry3d::Identity();
-  T_world_tool.linear() = start.slerp(s, end).normalized().toRotationMatrix();
-  T_world_tool.translation() = (1 - s) * T_world_start.translation() + s * T_world_end.translation();
-  return T_world_tool;
-}
 
 ToolTracker::ToolTracker(int tool, std::string tool_frame, double tool_timeout_s, double tf_timeout_s,
                          StampClock& clock, const TransformTree& transforms)

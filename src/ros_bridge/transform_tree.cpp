@@ -6,7 +6,7 @@
 
 #include <tf2/exceptions.h>
 
-#include "polyscalpel/ros_bridge/conversions.hpp"
+#include "polyscalpel/ros_bridge/geometry_conversions.hpp"
 
 namespace polyscalpel {
 namespace {

@@ -199,6 +199,19 @@ const ToolShape* Simulation::toolShape(int tool) const {
   return s.tools[tool].shape ? &*s.tools[tool].shape : nullptr;
 }
 
+int Simulation::numPending(int tool) const {
+  const Impl& s = *impl_;
+  POLYSCALPEL_ASSERT(tool >= 0 && tool < static_cast<int>(s.tools.size()));
+  return s.tools[tool].blade ? s.tools[tool].blade->numPending() : 0;
+}
+
+Eigen::Matrix3Xd Simulation::pendingPoints(int tool) const {
+  const Impl& s = *impl_;
+  POLYSCALPEL_ASSERT(tool >= 0 && tool < static_cast<int>(s.tools.size()));
+  if (!s.tools[tool].blade) return Eigen::Matrix3Xd(3, 0);
+  return s.tools[tool].blade->pendingPoints(s.state.positions);
+}
+
 std::int64_t Simulation::stepCount() const {
   return impl_->step_count;
 }

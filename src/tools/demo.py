@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The demonstration: a scalpel settles over, presses and slices an organ; see `./run help`.
+"""The demonstration: a scalpel presses and slices an organ, or draws a spiral through it; see `./run help`.
 
 Runs demo.launch on a port of its own, shows how it goes, then plays the bag that it recorded into rviz for two pictures.
 Everything it writes lies in one folder, and every process it starts ends with it.
@@ -11,7 +11,6 @@ import json
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -26,29 +25,18 @@ import bag_summary
 import pictures
 from child_processes import ChildProcesses
 from polyscalpel.msg import StepStatus
+from ros_master import master_port, use_new_master, use_own_folders
 
 STALL_S = 120  # without any step for so long the demonstration has failed
+
+# Name -> scene, and what is otherwise in rviz's view of its pictures.
+SHOWS = {"demo": ("organ", {}), "spiral": ("spiral", {"Pitch": 1.15, "Distance": 0.2})}
 
 DRAINED_S = 3  # without any step for so long after the end of the path all poses are used up
 
 
 class DemoError(Exception):
     """The demonstration has failed; the text says why."""
-
-
-def free_port():
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        return listener.getsockname()[1]
-
-
-def use_new_master():
-    """Sends this program and all it starts to a master on a port of its own; roslaunch is to start it there."""
-    os.environ["ROS_MASTER_URI"] = f"http://localhost:{free_port()}"
-
-
-def master_port():
-    return os.environ["ROS_MASTER_URI"].rpartition(":")[2]
 
 
 def has_screen():
@@ -145,7 +133,7 @@ def picture_time(bag):
 
 
 def demonstrate(children, arguments):
-    bag = os.path.join(arguments.output, "demo.bag")
+    bag = os.path.join(arguments.output, arguments.name + ".bag")
     with open(arguments.path, encoding="utf-8") as file:
         end_s = yaml.safe_load(file)["key_frames"][-1]["time_s"]
 
@@ -158,9 +146,7 @@ def demonstrate(children, arguments):
 
     print("Taking pictures in rviz", flush=True)
     before, after = (os.path.join(arguments.output, name) for name in ("before.png", "after.png"))
-    use_new_master()
-    pictures.make_pictures(children, ["roslaunch", "-p", master_port(), "polyscalpel", "playback.launch",
-                                      "rviz_args:=--fullscreen"], bag, [(picture_time(bag), before), (None, after)])
+    pictures.make_pictures(children, bag, [(picture_time(bag), before), (None, after)], arguments.view)
     summary["pictures"] = [before, after]
 
     path = os.path.join(arguments.output, "summary.json")
@@ -168,21 +154,25 @@ def demonstrate(children, arguments):
         json.dump(summary, file, indent=2)
         file.write("\n")
     print(bag_summary.table(summary))
-    for name in ("demo.bag", "before.png", "after.png", "summary.json"):
+    for name in (os.path.basename(bag), "before.png", "after.png", "summary.json"):
         print(f"  {os.path.relpath(os.path.join(arguments.output, name))}")
 
 
 def parse():
     root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--output", default=os.path.join(root, "build", "demo"), help="folder, emptied first")
-    parser.add_argument("--scene", default=os.path.join(root, "config", "scenes", "organ.yaml"))
-    parser.add_argument("--path", default=os.path.join(root, "config", "tools", "demo_scalpel.yaml"),
-                        help="key frames of the scalpel")
+    parser.add_argument("--name", choices=sorted(SHOWS), default="demo", help="what is shown; its defaults for the rest")
+    parser.add_argument("--output", help="folder, emptied first; by default build/<name>")
+    parser.add_argument("--scene", help="by default that of the name")
+    parser.add_argument("--path", help="key frames of the scalpel")
     parser.add_argument("--no-rviz", action="store_true", help="do not open rviz where there is a screen")
     arguments = parser.parse_args()
-    for name in ("output", "scene", "path"):
-        setattr(arguments, name, os.path.abspath(getattr(arguments, name)))
+    scene, arguments.view = SHOWS[arguments.name]
+    defaults = {"output": os.path.join("build", arguments.name),
+                "scene": os.path.join("config", "scenes", scene + ".yaml"),
+                "path": os.path.join("config", "tools", arguments.name + "_scalpel.yaml")}
+    for name, default in defaults.items():
+        setattr(arguments, name, os.path.abspath(getattr(arguments, name) or os.path.join(root, default)))
     return arguments
 
 
@@ -196,8 +186,7 @@ def main():
     signal.signal(signal.SIGHUP, on_terminate)
     shutil.rmtree(arguments.output, ignore_errors=True)
     logs = os.path.join(arguments.output, "log")
-    os.makedirs(logs, mode=0o700)
-    os.environ.update(ROS_HOSTNAME="localhost", ROS_HOME=logs, ROS_LOG_DIR=logs, PYTHONUNBUFFERED="1")
+    use_own_folders(logs)
     use_new_master()
     children = ChildProcesses(logs)
     try:

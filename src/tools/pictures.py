@@ -6,8 +6,13 @@ import subprocess
 import time
 
 import rosgraph
+import yaml
+
+from ros_master import master_port, use_new_master
 
 SCREEN = "1280x900x24"
+CONFIG = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "config",
+                      "polyscalpel.rviz")
 
 
 class PictureError(Exception):
@@ -80,8 +85,26 @@ def take(path, environment):
     raise PictureError(f"rviz shows nothing: {path}")
 
 
-def make_pictures(children, launch_command, bag, pictures):
-    """pictures: (seconds after the bag's start, or None for its end; path of the picture), by time."""
+def write_view(path, view, has_table):
+    """The package's view of a bag, from another place or without the table."""
+    with open(CONFIG, encoding="utf-8") as file:
+        config = yaml.safe_load(file)
+    manager = config["Visualization Manager"]
+    manager["Views"]["Current"].update(view)
+    if not has_table:
+        manager["Displays"] = [display for display in manager["Displays"] if display["Class"] != "rviz/Grid"]
+    with open(path, "w", encoding="utf-8") as file:
+        yaml.safe_dump(config, file)
+
+
+def make_pictures(children, bag, pictures, view=None, has_table=True):
+    """pictures: (seconds after the bag's start, or None for its end; path of the picture), by time. view: what of rviz's
+    current view is to be otherwise than in the package's."""
+    use_new_master()
+    config = os.path.join(os.path.dirname(os.path.abspath(children.log_path("view"))), "view.rviz")
+    write_view(config, view or {}, has_table)
+    launch_command = ["roslaunch", "-p", master_port(), "polyscalpel", "playback.launch", "rviz_args:=--fullscreen",
+                      f"rviz_config:={config}"]
     display = start_screen(children)
     environment = dict(os.environ, DISPLAY=display, LIBGL_ALWAYS_SOFTWARE="1", QT_X11_NO_MITSHM="1",
                        XDG_RUNTIME_DIR=os.path.dirname(children.log_path("x")))

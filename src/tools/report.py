@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Measures speed against error and writes the report; see `./run help`.
 
-Runs the program polyscalpel_report, which measures and writes report.json, then draws its plots and writes REPORT.md from that
-file alone. Ends with 1 where a value that the report holds is broken: the report is written all the same and names it.
+Runs the program polyscalpel_report, which measures and writes report.json, takes a picture of a cut body in rviz, then draws the
+plots and writes REPORT.md from that file. Ends with 1 where a value that the report holds is broken: the report is written all the same and names it.
 """
 
 import argparse
@@ -15,6 +15,8 @@ import sys
 import time
 
 import bunny
+import cut_picture
+import pictures
 import report_plots
 import report_text
 
@@ -22,6 +24,8 @@ import report_text
 PACKAGES = {"CHOLMOD": "libcholmod3", "OpenBLAS": "libopenblas0-pthread", "Eigen": "libeigen3-dev", "FCL": "libfcl-dev",
             "CGAL": "libcgal-dev", "Gmsh": "libgmsh-dev", "Bullet": "libbullet-dev", "TetGen": "tetgen",
             "matplotlib": "python3-matplotlib"}
+
+PICTURE = "cut_body.png"
 
 
 def package_versions():
@@ -46,12 +50,32 @@ def commit(root):
     return (git("rev-parse", "HEAD") or "unknown") + (" with local changes" if changed else "")
 
 
-def measure(arguments, root, path):
+def find_bunny(arguments):
+    """Path of the bunny's mesh, empty where it could not be had, and how it was made, or why it is not there."""
     try:
-        bunny_mesh = bunny.make_bunny(os.path.join(arguments.folder, "bunny"))
-        note = f"npm package {bunny.PACKAGE}, filled by TetGen {bunny.TETGEN_OPTIONS}, {bunny.SIZE_M} m long"
+        return (bunny.make_bunny(os.path.join(arguments.folder, "bunny")),
+                f"npm package {bunny.PACKAGE}, filled by TetGen {bunny.TETGEN_OPTIONS}, {bunny.SIZE_M} m long")
     except (bunny.BunnyError, OSError, KeyError) as error:
-        bunny_mesh, note = "", f"the bunny could not be had: {error}"
+        return "", f"the bunny could not be had: {error}"
+
+
+def take_picture(arguments, path, bunny_mesh, note):
+    """Adds to the figures what the picture shows, or why there is none."""
+    with open(path, encoding="utf-8") as file:
+        report = json.load(file)
+    try:
+        shown = cut_picture.make(arguments.picture_program, bunny_mesh, arguments.folder,
+                                 os.path.join(arguments.target, PICTURE))
+        report["picture"] = {"file": PICTURE, "shows": shown if bunny_mesh else f"{shown}; {note}"}
+    except (pictures.PictureError, OSError) as error:
+        print(f"report: no picture: {error}", file=sys.stderr)
+        report["picture"] = {"missing": f"no picture in rviz: {error}"}
+    with open(path, "w", encoding="utf-8") as file:
+        json.dump(report, file, indent=1)
+        file.write("\n")
+
+
+def measure(arguments, root, path, bunny_mesh, note):
     command = [arguments.program, "--output", path, "--mode", arguments.mode, "--commit", commit(root), "--bunny-note", note]
     if bunny_mesh:
         command += ["--bunny", bunny_mesh]
@@ -63,6 +87,7 @@ def measure(arguments, root, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", help="the program that measures; without it the figures of the last run are drawn anew")
+    parser.add_argument("--picture-program", help="the program that makes the markers of the picture; without it none is taken")
     parser.add_argument("--folder", required=True, help="where report.json and what is made on the spot go")
     parser.add_argument("--target", required=True, help="where REPORT.md and its plots go")
     parser.add_argument("--mode", choices=["quick", "default", "full"], default="default")
@@ -71,13 +96,16 @@ def main():
     path = os.path.join(arguments.folder, "report.json")
     os.makedirs(arguments.folder, exist_ok=True)
     status = 0
+    bunny_mesh, note = find_bunny(arguments)
     if arguments.program:
         if os.path.exists(path):
             os.remove(path)
-        status = measure(arguments, root, path)
+        status = measure(arguments, root, path, bunny_mesh, note)
         if not os.path.exists(path):
             print("report: nothing was measured", file=sys.stderr)
             return status or 2
+    if arguments.picture_program:
+        take_picture(arguments, path, bunny_mesh, note)
     with open(path, encoding="utf-8") as file:
         report = json.load(file)
     plots = {name for name, draw in report_plots.PLOTS.items()

@@ -99,6 +99,12 @@ def formulations(rows, path):
     return True
 
 
+def _bars(axes, index, at, values, label):
+    """The bars of one of three methods, side by side around each place."""
+    return axes.bar([place + 0.27 * (index - 1) for place in at], values, 0.25, color=COLOURS[index], label=label,
+                    hatch=["", "//", ".."][index], edgecolor="white")
+
+
 def cutting(rows, path):
     """Bars a body: what the same cut costs as polyhedra and as tetrahedra."""
     rows = [row for row in rows if "sag_error" in row]
@@ -113,9 +119,9 @@ def cutting(rows, path):
     for axes, (key, scale, label) in zip(grid.flat, quantities):
         for i, method in enumerate(methods):
             of_method = [row for row in rows if row["method"] == method]
-            at = [bodies.index(row["body"]) + 0.27 * (i - 1) for row in of_method]
+            at = [bodies.index(row["body"]) for row in of_method]
             values = [scale * abs(row[key]) for row in of_method]
-            axes.bar(at, values, 0.25, color=COLOURS[i], label=method, hatch=["", "//", ".."][i], edgecolor="white")
+            _bars(axes, i, at, values, method)
         axes.set_xticks(range(len(bodies)), bodies)
         axes.set_title(label, fontsize=10.5)
         axes.set_yscale("linear" if key == "sag_error" else "log")
@@ -123,6 +129,39 @@ def cutting(rows, path):
         axes.tick_params(labelsize=9.5)
     handles, labels = grid.flat[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncol=3, fontsize=10)
+    figure.tight_layout(rect=(0, 0.06, 1, 1))
+    _save(figure, path)
+    return True
+
+
+def cell_counts(rows, path):
+    """Cells against re-tessellated ones, and the cells by their number of vertices."""
+    rows = [row for row in rows if "times_fewest" in row]
+    if not rows:
+        return False
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 5.0))
+    names = [f"{row['body']}, {row['blades'].split(',')[0]}".replace(" bent", "\nbent") for row in rows]
+    counts = [("cells", "polyhedra"), ("tetrahedra_fewest", "tetrahedra, fewest"),
+              ("tetrahedra_with_middles", "tetrahedra, with middles")]
+    for i, (key, label) in enumerate(counts):
+        bars = _bars(left, i, range(len(rows)), [row[key] for row in rows], label)
+        if i > 0:
+            left.bar_label(bars, [f"{row[key] / row['cells']:.1f}x" for row in rows], fontsize=9, rotation=90, padding=2)
+    left.set_xticks(range(len(rows)), names, rotation=35, ha="right", fontsize=9.5)
+    left.set_ylabel("cells")
+    left.margins(y=0.12)
+    left.grid(axis="x", visible=False)
+    left.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
+    left.tick_params(axis="y", labelsize=9.5)
+    vertices = [*range(4, 13), "more"]
+    for i, row in enumerate(rows):
+        parts = [100 * row[f"cells_of_{n}_vertices"] / row["cells"] for n in vertices]
+        right.plot(range(len(vertices)), parts, label=names[i].replace("\n", " "), **_style(i))
+    right.set_xticks(range(len(vertices)), vertices)
+    right.set_xlabel("vertices of a cell")
+    right.set_ylabel("part of the cells [%]")
+    right.legend(fontsize=9.5)
+    figure.legend(*left.get_legend_handles_labels(), loc="lower center", ncol=3, fontsize=10)
     figure.tight_layout(rect=(0, 0.06, 1, 1))
     _save(figure, path)
     return True
@@ -222,4 +261,5 @@ def _legend_index(rows, key):
     return keys.index(key)
 
 
-PLOTS = {"formulations": formulations, "cutting": cutting, "integration": integration, "stages": stages, "peers": peers}
+PLOTS = {"formulations": formulations, "cutting": cutting, "cell_counts": cell_counts, "integration": integration,
+         "stages": stages, "peers": peers}

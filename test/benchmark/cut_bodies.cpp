@@ -50,6 +50,43 @@ SweepCut makeSweep(const Vector3d& centre, double radius, double foot_z, int ind
   return sweep;
 }
 
+/// A blade of several legs that passes the whole body; the first cut of every three comes down along -z, the
+/// second runs across it, the third goes along x.
+SweepCut makeHairpin(const Vector3d& centre, double radius, int index, int num_cuts, int legs,
+                     std::mt19937& random) {
+  constexpr int kPoses = 25, kPointsPerLeg = 5, kDirections = 3;
+  constexpr double kReach = 0.85;  // of the outermost legs, in radii
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const int direction = index % kDirections, in_family = index / kDirections;
+  const int family_size = (num_cuts + kDirections - 1 - direction) / kDirections;
+  const double gap = 2 * kReach * radius / (family_size * legs);
+  const double offset = -kReach * radius + gap * (legs * (in_family + 0.5) + 0.1 * uniform(random));
+  const double twist = 0.15 * uniform(random), wander = 0.05 * radius * uniform(random);
+
+  SweepCut sweep;
+  sweep.edge_tool.resize(3, kPointsPerLeg * legs);
+  for (int leg = 0; leg < legs; ++leg) {
+    for (int i = 0; i < kPointsPerLeg; ++i) {
+      const double y = (leg % 2 == 0 ? 1 : -1) * (2.0 * i / (kPointsPerLeg - 1) - 1);
+      sweep.edge_tool.col(leg * kPointsPerLeg + i) =
+          Vector3d(0.04 * radius * y * y + gap * (leg - 0.5 * (legs - 1)), 1.3 * radius * y, 0);
+    }
+  }
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  if (direction == 1) R = Eigen::AngleAxisd(EIGEN_PI / 2, Vector3d::UnitZ());
+  if (direction == 2) R = Eigen::AngleAxisd(-EIGEN_PI / 2, Vector3d::UnitY());
+  for (int i = 0; i < kPoses; ++i) {
+    const double t = static_cast<double>(i) / (kPoses - 1);
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.translate(centre);
+    T.rotate(R);
+    T.translate(Vector3d(offset + wander * std::sin(EIGEN_PI * t), 0, 1.1 * radius * (1 - 2 * t)));
+    T.rotate(Eigen::AngleAxisd(twist * (t - 0.5), Vector3d::UnitZ()));
+    sweep.T_world_tool.push_back(T);
+  }
+  return sweep;
+}
+
 double findMassFloor(const CutBody& body) {
   std::vector<double> masses(body.mesh.numVertices());
   for (const CellId id : body.mesh.cells()) {
@@ -101,16 +138,40 @@ void finish(CutBody& body, double volume_before, double foot_z) {
   hold(body, foot_z);
 }
 
-CutBody sweepThrough(CutBody body, int num_cuts, const Vector3d& centre, double radius, double foot_z,
-                     double last_z) {
+/// A body under the cuts that make(index, random) gives.
+template <class Make>
+CutBody sweepThrough(CutBody body, int num_cuts, double foot_z, const Make& make) {
   body.cells_before = body.mesh.numCells();
   body.gravity_m_s2 = {9.81, 0, 0};
   body.mass_floor_kg = findMassFloor(body);
   const double volume_before = volume(body.mesh, body.mesh.restPositions());
   std::mt19937 random(17);
-  for (int i = 0; i < num_cuts; ++i) cut(body, makeSweep(centre, radius, last_z, i, num_cuts, random));
+  for (int i = 0; i < num_cuts; ++i) cut(body, make(i, random));
   finish(body, volume_before, foot_z);
   return body;
+}
+
+constexpr double kBallRadius = 0.05;
+
+CutBody makeBall(int half_count) {
+  CutBody body;
+  body.name = "ball";
+  body.mesh = makeTetBall(Vector3d::Zero(), kBallRadius, half_count);
+  body.material = {1e4, 0.3, 1000};
+  return body;
+}
+
+CutBody readBody(const std::string& name, const std::string& path) {
+  CutBody body;
+  body.name = name;
+  body.mesh = readMesh(MeshFileConfig{path, 1, 0}).mesh;
+  body.material = {1e4, 0.3, 1000};
+  return body;
+}
+
+Eigen::AlignedBox3d boxOf(const CutBody& body) {
+  const auto points = body.mesh.restPositions();
+  return {Vector3d(points.rowwise().minCoeff()), Vector3d(points.rowwise().maxCoeff())};
 }
 
 }  // namespace
@@ -132,25 +193,36 @@ CutBody makeCutBlock(int n) {
 }
 
 CutBody makeCutBall(int half_count, int num_cuts) {
-  constexpr double kRadius = 0.05;
-  CutBody body;
-  body.name = "ball";
-  body.mesh = makeTetBall(Vector3d::Zero(), kRadius, half_count);
-  body.material = {1e4, 0.3, 1000};
-  return sweepThrough(std::move(body), num_cuts, Vector3d::Zero(), kRadius, -0.6 * kRadius, -0.4 * kRadius);
+  const auto make = [&](int index, std::mt19937& random) {
+    return makeSweep(Vector3d::Zero(), kBallRadius, -0.4 * kBallRadius, index, num_cuts, random);
+  };
+  return sweepThrough(makeBall(half_count), num_cuts, -0.6 * kBallRadius, make);
 }
 
 CutBody makeCutFile(const std::string& name, const std::string& path, int num_cuts) {
-  CutBody body;
-  body.name = name;
-  body.mesh = readMesh(MeshFileConfig{path, 1, 0}).mesh;
-  body.material = {1e4, 0.3, 1000};
-  const Vector3d lowest = body.mesh.restPositions().rowwise().minCoeff();
-  const Vector3d highest = body.mesh.restPositions().rowwise().maxCoeff();
-  const double height = highest.z() - lowest.z();
-  const double radius = 0.5 * (highest - lowest).maxCoeff();
-  return sweepThrough(std::move(body), num_cuts, 0.5 * (lowest + highest), radius, lowest.z() + 0.1 * height,
-                      lowest.z() + 0.2 * height);
+  CutBody body = readBody(name, path);
+  const Eigen::AlignedBox3d box = boxOf(body);
+  const double foot_z = box.min().z(), height = box.sizes().z(), radius = 0.5 * box.sizes().maxCoeff();
+  const auto make = [&](int index, std::mt19937& random) {
+    return makeSweep(box.center(), radius, foot_z + 0.2 * height, index, num_cuts, random);
+  };
+  return sweepThrough(std::move(body), num_cuts, foot_z + 0.1 * height, make);
+}
+
+CutBody makeHairpinCutBall(int half_count, int num_cuts, int legs) {
+  const auto make = [&](int index, std::mt19937& random) {
+    return makeHairpin(Vector3d::Zero(), kBallRadius, index, num_cuts, legs, random);
+  };
+  return sweepThrough(makeBall(half_count), num_cuts, -0.6 * kBallRadius, make);
+}
+
+CutBody makeHairpinCutFile(const std::string& name, const std::string& path, int num_cuts, int legs) {
+  CutBody body = readBody(name, path);
+  const Eigen::AlignedBox3d box = boxOf(body);
+  const auto make = [&](int index, std::mt19937& random) {
+    return makeHairpin(box.center(), 0.5 * box.sizes().maxCoeff(), index, num_cuts, legs, random);
+  };
+  return sweepThrough(std::move(body), num_cuts, box.min().z() + 0.1 * box.sizes().z(), make);
 }
 
 }  // namespace polyscalpel::report

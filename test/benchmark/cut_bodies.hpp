@@ -35,11 +35,23 @@ struct CutBody {
 /// left.
 CutBody makeCutBlock(int n);
 
+/// Legs of the hairpins in the study of cell counts: such that 17 cuts leave 40,000 to 44,000 cells of some
+/// 8,300 tetrahedra.
+constexpr int kLegsInBall = 2, kLegsInBunny = 3;
+
 /// A ball of radius 50 mm of 5 (2 half_count)^3 tetrahedra, its lowest part fixed, under curved cuts: a bowed
 /// blade that turns and wanders as it comes down, from above the ball to 0.7 of its height.
 CutBody makeCutBall(int half_count, int num_cuts);
 
 /// A volume mesh from a file under the same kind of cuts, its lowest tenth fixed.
 CutBody makeCutFile(const std::string& name, const std::string& path, int num_cuts);
+
+/// The same ball under cuts that leave many more cells: each by one blade bent like a hairpin, its legs,
+/// bowed and joined outside of the body, side by side; the blade turns and wanders as it passes the whole
+/// body, along -z, across that, and along x in turns. The cuts of one direction lie at equal distances.
+CutBody makeHairpinCutBall(int half_count, int num_cuts, int legs);
+
+/// A volume mesh from a file under such cuts.
+CutBody makeHairpinCutFile(const std::string& name, const std::string& path, int num_cuts, int legs);
 
 }  // namespace polyscalpel::report

@@ -10,7 +10,7 @@ foreach(library BulletSoftBody BulletDynamics BulletCollision LinearMath)
 endforeach()
 
 file(GLOB report_sources CONFIGURE_DEPENDS test/benchmark/*.cpp)
-list(FILTER report_sources EXCLUDE REGEX "/(bullet_body|bench_[a-z]+)\\.cpp$")
+list(FILTER report_sources EXCLUDE REGEX "/(bullet_body|cut_picture|bench_[a-z]+)\\.cpp$")
 add_executable(polyscalpel_test_report EXCLUDE_FROM_ALL ${report_sources})
 set_target_properties(polyscalpel_test_report PROPERTIES OUTPUT_NAME polyscalpel_report
   RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
@@ -26,4 +26,14 @@ if(BULLET_INCLUDE_DIR AND NOT "${bullet_libraries}" MATCHES NOTFOUND)
   target_compile_definitions(polyscalpel_test_report PRIVATE POLYSCALPEL_HAS_BULLET)
   # What its own headers leave uninitialised is none of our business.
   set_source_files_properties(test/benchmark/bullet_body.cpp PROPERTIES COMPILE_OPTIONS -Wno-maybe-uninitialized)
+endif()
+
+if(POLYSCALPEL_BUILD_ROS)
+  # The bag of the report's picture in rviz.
+  add_executable(polyscalpel_test_cut_picture EXCLUDE_FROM_ALL test/benchmark/cut_picture.cpp
+    test/benchmark/cut_bodies.cpp test/benchmark/timing.cpp)
+  set_target_properties(polyscalpel_test_cut_picture PROPERTIES OUTPUT_NAME polyscalpel_cut_picture
+    RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+  target_include_directories(polyscalpel_test_cut_picture PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/test ${catkin_INCLUDE_DIRS})
+  target_link_libraries(polyscalpel_test_cut_picture PRIVATE polyscalpel_ros_bridge)
 endif()

@@ -48,6 +48,7 @@ std::vector<std::string> brokenRules(const std::string& section, const Rows& row
 
 Rows studyFormulations(const Context& context);
 Rows studyCutting(const Context& context);
+Rows studyCellCounts(const Context& context);
 Rows studyIntegration(const Context& context);
 Rows studyStages(const Context& context);
 Rows studyPeers(const Context& context);

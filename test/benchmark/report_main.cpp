@@ -21,13 +21,10 @@ struct Section {
   Rows (*study)(const Context&);
 };
 
-const std::vector<Section> kSections = {{"formulations", studyFormulations},
-                                        {"cutting", studyCutting},
-                                        {"integration", studyIntegration},
-                                        {"stages", studyStages},
-                                        {"peers", studyPeers},
-                                        {"hard_cases", studyHardCases},
-                                        {"torture", studyTorture}};
+const std::vector<Section> kSections = {
+    {"formulations", studyFormulations}, {"cutting", studyCutting}, {"cell_counts", studyCellCounts},
+    {"integration", studyIntegration},   {"stages", studyStages},   {"peers", studyPeers},
+    {"hard_cases", studyHardCases},      {"torture", studyTorture}};
 
 Mode parseMode(const std::string& name) {
   if (name == "quick") return Mode::kQuick;

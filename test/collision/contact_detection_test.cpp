@@ -132,14 +132,17 @@ TEST(ContactDetectionTest, RefitAfterMotionEqualsAFreshSurface) {
   }
 }
 
+/// A plane through the middle of the ball, another one for each number of the cut.
+CutResult cutAcross(PolyhedralMesh& mesh, int cut) {
+  const PlaneCut plane{{0.003, 0.001 * cut, -0.002}, {std::cos(cut), std::sin(cut), 0.3 * cut}};
+  return cutMesh(mesh, mesh.restPositions(), plane, CuttingConfig(), cut);
+}
+
 TEST(ContactDetectionTest, UpdateAfterCutsEqualsAFreshSurface) {
   PolyhedralMesh mesh = makeTetBall(Eigen::Vector3d::Zero(), 0.05, 4);
   TissueSurface surface(mesh, mesh.restPositions());
   for (int cut = 1; cut <= 4; ++cut) {
-    PlaneCut plane;
-    plane.point_world = Eigen::Vector3d(0.003, 0.001 * cut, -0.002);
-    plane.normal_world = Eigen::Vector3d(std::cos(cut), std::sin(cut), 0.3 * cut);
-    const CutResult result = cutMesh(mesh, mesh.restPositions(), plane, CuttingConfig(), cut);
+    const CutResult result = cutAcross(mesh, cut);
     ASSERT_EQ(result.status, CutStatus::kCut);
     surface.update(mesh, result.change, mesh.restPositions());
     EXPECT_GT(compare(mesh, mesh.restPositions(), surface, TissueSurface(mesh, mesh.restPositions()), cut),
@@ -151,10 +154,7 @@ TEST(ContactDetectionTest, UpdateAfterCutsOfAMovedBodyAndARefitEqualsAFreshSurfa
   PolyhedralMesh mesh = makeTetBall(Eigen::Vector3d::Zero(), 0.05, 4);
   TissueSurface surface(mesh, mesh.restPositions());
   for (int cut = 1; cut <= 4; ++cut) {
-    PlaneCut plane;
-    plane.point_world = Eigen::Vector3d(0.003, 0.001 * cut, -0.002);
-    plane.normal_world = Eigen::Vector3d(std::cos(cut), std::sin(cut), 0.3 * cut);
-    const CutResult result = cutMesh(mesh, mesh.restPositions(), plane, CuttingConfig(), cut);
+    const CutResult result = cutAcross(mesh, cut);
     ASSERT_EQ(result.status, CutStatus::kCut);
     const Eigen::Matrix3Xd positions = bend(mesh.restPositions(), 0.002 * cut);
     surface.update(mesh, result.change, positions);

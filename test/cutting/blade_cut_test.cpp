@@ -6,8 +6,8 @@
 
 #include "polyscalpel/cutting/cut_mesh.hpp"
 #include "polyscalpel/mesh/mesh_checks.hpp"
-#include "polyscalpel/mesh/mesh_generation.hpp"
 #include "polyscalpel/mesh/surface.hpp"
+#include "support/unit_cube.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -16,27 +16,18 @@ using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
-using Eigen::Vector3i;
-
-PolyhedralMesh tets() {
-  return makeTetBox(Vector3d::Zero(), Vector3d::Ones(), Vector3i::Constant(5));
-}
 
 Matrix3Xd verticalBlade() {
-  Matrix3Xd edge(3, 2);
-  edge << 0, 0, 0, 0, -2, 2;
-  return edge;
+  return bladeFromTo({0, 0, -2}, {0, 0, 2});
 }
 
 Isometry3d at(double x, double y, double z = 0.5) {
-  Isometry3d T = Isometry3d::Identity();
-  T.translation() = Vector3d(x, y, z);
-  return T;
+  return polyscalpel::at(Vector3d(x, y, z));
 }
 
 /// A blade and a body that each follow a path; the body moves as a rigid body.
 struct Stroke {
-  PolyhedralMesh mesh = tets();
+  PolyhedralMesh mesh = unitTets(5);
   BladeCut blade = BladeCut(verticalBlade(), {});
   int splits = 0, cuts = 0, pieces = 1;
 
@@ -154,6 +145,42 @@ TEST(BladeCut, AnotherCutInTheMiddleOfAStrokeIsFollowed) {
   stroke.move(
       40, [](double s) { return at(0.5 + s, 0.47); }, still);
   EXPECT_EQ(stroke.pieces, 4);
+}
+
+TEST(BladeCut, PendingPointsLieWhereTheBladeHasBeenAndAreGoneWithIt) {
+  Stroke stroke;
+  const auto still = [](double) { return at(0, 0, 0); };
+  int most = 0;
+  for (int i = 0; i < 40; ++i) {
+    const double start_x = -0.5 + 0.05 * i, end_x = start_x + 0.05;
+    stroke.move(
+        1, [&](double s) { return at(start_x + s * (end_x - start_x), 0.47); }, still);
+    const Matrix3Xd points = stroke.blade.pendingPoints(stroke.mesh.restPositions());
+    ASSERT_EQ(points.cols(), stroke.blade.numPending());
+    most = std::max(most, stroke.blade.numPending());
+    for (const auto& point : points.colwise()) {
+      EXPECT_NEAR(point.y(), 0.47, 1e-12);
+      EXPECT_LE(point.x(), end_x + 1e-12);
+    }
+  }
+  EXPECT_GT(most, 0);
+  EXPECT_FALSE(stroke.blade.isCutting()) << "it has left";
+  EXPECT_EQ(stroke.blade.pendingPoints(stroke.mesh.restPositions()).cols(), 0);
+}
+
+TEST(BladeCut, PendingPointsMoveWithTheTissueAndAreReleasedWithTheBlade) {
+  Stroke stroke;
+  stroke.move(
+      20, [](double s) { return at(-0.5 + s, 0.47); }, [](double) { return at(0, 0, 0); });
+  ASSERT_GT(stroke.blade.numPending(), 0);
+  const Matrix3Xd positions = stroke.mesh.restPositions();
+  const Matrix3Xd moved = (2 * positions).colwise() + Vector3d(1, -2, 3);
+  const Matrix3Xd points = stroke.blade.pendingPoints(positions);
+  EXPECT_TRUE(stroke.blade.pendingPoints(moved).isApprox((2 * points).colwise() + Vector3d(1, -2, 3), 1e-12));
+  const int cells = stroke.mesh.numCells();
+  stroke.blade.forget();
+  EXPECT_EQ(stroke.blade.pendingPoints(positions).cols(), 0);
+  EXPECT_EQ(stroke.mesh.numCells(), cells);
 }
 
 TEST(BladeCut, BadBladesAreRefused) {

@@ -8,8 +8,8 @@
 #include "polyscalpel/cutting/cut_mesh.hpp"
 #include "polyscalpel/geometry/triangle.hpp"
 #include "polyscalpel/mesh/mesh_checks.hpp"
-#include "polyscalpel/mesh/mesh_generation.hpp"
 #include "polyscalpel/mesh/surface.hpp"
+#include "support/unit_cube.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -18,28 +18,8 @@ using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
-using Eigen::Vector3i;
 
 constexpr double kH = 0.2;  // of the meshes below [m]
-
-PolyhedralMesh hexes() {
-  return makeHexBox(Vector3d::Zero(), Vector3d::Ones(), Vector3i::Constant(5));
-}
-PolyhedralMesh tets() {
-  return makeTetBox(Vector3d::Zero(), Vector3d::Ones(), Vector3i::Constant(5));
-}
-
-Matrix3Xd bladeFromTo(const Vector3d& a, const Vector3d& b) {
-  Matrix3Xd edge(3, 2);
-  edge << a, b;
-  return edge;
-}
-
-Isometry3d at(const Vector3d& position) {
-  Isometry3d T = Isometry3d::Identity();
-  T.translation() = position;
-  return T;
-}
 
 /// Distance from a point to the nearest face that a cut has opened [m].
 double distanceToSlit(const PolyhedralMesh& mesh, const Vector3d& point) {
@@ -78,7 +58,7 @@ void expectSound(const PolyhedralMesh& mesh) {
 
 class StoppingBlade : public testing::TestWithParam<bool> {
  protected:
-  PolyhedralMesh mesh() const { return GetParam() ? tets() : hexes(); }
+  PolyhedralMesh mesh() const { return GetParam() ? unitTets(5) : unitHexes(5); }
   double largestLagInSizes() const { return GetParam() ? 0.05 : 0.1; }
 };
 

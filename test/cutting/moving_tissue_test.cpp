@@ -13,9 +13,9 @@
 #include "polyscalpel/cutting/blade_sweep.hpp"
 #include "polyscalpel/cutting/cut_mesh.hpp"
 #include "polyscalpel/mesh/mesh_checks.hpp"
-#include "polyscalpel/mesh/mesh_generation.hpp"
 #include "polyscalpel/mesh/surface.hpp"
 #include "support/torture_strokes.hpp"
+#include "support/unit_cube.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -25,23 +25,9 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
-using Eigen::Vector3i;
-
-PolyhedralMesh tets() {
-  return makeTetBox(Vector3d::Zero(), Vector3d::Ones(), Vector3i::Constant(4));
-}
 
 Matrix3Xd longBlade() {
-  Matrix3Xd edge(3, 2);
-  edge << 0, 0, 0, 0, -3, 3;
-  return edge;
-}
-
-Isometry3d at(const Vector3d& place, const Matrix3d& axes = Matrix3d::Identity()) {
-  Isometry3d T = Isometry3d::Identity();
-  T.translation() = place;
-  T.linear() = axes;
-  return T;
+  return bladeFromTo({0, 0, -3}, {0, 0, 3});
 }
 
 using Motion = std::function<Matrix3Xd(const Matrix3Xd& rest, double s)>;  // positions at s in [0, 1]
@@ -66,7 +52,7 @@ std::map<Edge, int> sumOfHits(const PolyhedralMesh& mesh, const Matrix3Xd& edge_
 TEST(MovingTissue, EveryEdgeIsCrossedExactlyOnceWhoeverMoves) {
   // The blade goes through along a plane as the tissue sees it, part of the way being the tissue's; both are
   // carried along besides. Which edges a plane crosses is known exactly.
-  const PolyhedralMesh mesh = tets();
+  const PolyhedralMesh mesh = unitTets(4);
   const Matrix3Xd rest = mesh.restPositions();
   constexpr double kMaxTravel = 0.25;
   double size = kInfinity;
@@ -138,7 +124,7 @@ struct Outcome {
 /// A stroke of a blade through a body; positions of new vertices follow the body's motion linearly, as in a
 /// simulation they follow their parents.
 Outcome draw(const std::function<Isometry3d(double)>& T_world_tool, const Motion& tissue, int steps) {
-  PolyhedralMesh mesh = tets();
+  PolyhedralMesh mesh = unitTets(4);
   BladeCut blade(longBlade(), CuttingConfig());
   const Matrix3Xd rest = mesh.restPositions();
   std::vector<NewVertex> made;
@@ -197,7 +183,7 @@ TEST(MovingTissue, AHalfCutBodyThatCarriesTheBladeAlongEndsAsIfTheStrokeHadEnded
   };
   int cells[2];
   for (const bool is_carried : {false, true}) {
-    PolyhedralMesh mesh = tets();
+    PolyhedralMesh mesh = unitTets(4);
     BladeCut blade(longBlade(), CuttingConfig());
     Matrix3Xd positions = mesh.restPositions();
     int cuts = 0;
@@ -207,7 +193,7 @@ TEST(MovingTissue, AHalfCutBodyThatCarriesTheBladeAlongEndsAsIfTheStrokeHadEnded
                                              at({-0.4 + 0.046 * (i + 1), 0.47, 0.5}), ++cuts);
       extendByNewVertices(result.change.new_vertices, positions);
     }
-    ASSERT_GT(mesh.numCells(), tets().numCells());
+    ASSERT_GT(mesh.numCells(), unitTets(4).numCells());
     ASSERT_TRUE(blade.isCutting());
     for (int i = 0; i < 50 && is_carried; ++i) {
       const Isometry3d start = carry(i / 50.0), end = carry((i + 1) / 50.0);

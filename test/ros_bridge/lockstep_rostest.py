@@ -86,6 +86,24 @@ class LockstepTest(unittest.TestCase):
         self.assertEqual(new_faces % 2, 0)
         self.assertEqual(sum(event.cells_split for event in self.listener.cuts), status.cells - 27)
 
+    def test_what_is_pending_is_shown_and_goes_with_the_blade(self):
+        self.run_slice()
+        counts = {s.header.stamp: next(t.pending_crossings for t in s.tools if t.name == 'scalpel')
+                  for s in self.listener.status if s.step > 0}
+        meshes = [m for m in self.listener.mesh if m.markers[0].header.stamp > rospy.Time(100)]
+        self.assertEqual(len(meshes), 50)
+        shown = []
+        for message in meshes:
+            pending = [m for m in message.markers if m.ns == 'pending']
+            points = sum(len(m.points) for m in pending if m.action == Marker.ADD)
+            self.assertEqual(points, counts[message.markers[0].header.stamp])
+            was_shown = bool(shown) and shown[-1] > 0
+            self.assertEqual([m.action for m in pending],
+                             [Marker.ADD] if points else [Marker.DELETE] if was_shown else [])
+            shown.append(points)
+        self.assertGreater(max(shown), 0)
+        self.assertEqual((shown[0], shown[-1]), (0, 0), 'before the blade meets the tissue, and when it has left it')
+
     def test_frames_and_stamps(self):
         self.run_slice()
         for tool in ('scalpel', 'finger'):

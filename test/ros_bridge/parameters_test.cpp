@@ -365,6 +365,7 @@ TEST(Parameters, ColoursNeedTheStressTheyShow) {
   EXPECT_EQ(node("colour_by: error, colour_range_pa: [0, 5]").colour_by, ColourBy::kError);
   EXPECT_EQ(node("colour_range_pa: [-1, 5]").colour_range_pa, Eigen::Vector2d(-1, 5));
   EXPECT_NO_THROW(read(kSmallest + "node: {colour_by: none}\n"));
+  EXPECT_EQ(read(kSmallest + "node: {colour_by: piece}\n").node.colour_by, ColourBy::kPiece);
   for (const std::string word : {"von_mises", "max_principal", "error"})
     expectRefused([&] { read(kSmallest + "node:\n  colour_by: " + word + "\n"); },
                   {"scene.yaml:3", "node.colour_by = " + word, "stress"});

@@ -98,6 +98,19 @@ TEST(TissueMarkers, WireframeHasEachEdgeOnce) {
   EXPECT_EQ(makeWireframeMarker(mesh, mesh.restPositions()).points.size(), 2u * (6 * 24 - 36));
 }
 
+TEST(TissueMarkers, PointsAreSpheresOfTheGivenSize) {
+  const Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Random(3, 7);
+  const visualization_msgs::Marker marker = makePointMarker(points, 0.25);
+  EXPECT_EQ(marker.type, visualization_msgs::Marker::SPHERE_LIST);
+  EXPECT_EQ(marker.scale.x, 0.25);
+  EXPECT_EQ(marker.scale.z, 0.25);
+  ASSERT_EQ(marker.points.size(), 7u);
+  for (int i = 0; i < 7; ++i) {
+    const geometry_msgs::Point& point = marker.points[static_cast<std::size_t>(i)];
+    EXPECT_EQ(Eigen::Vector3d(point.x, point.y, point.z), points.col(i));
+  }
+}
+
 TEST(TissueMarkers, LightIsAPartOfOne) {
   for (int i = 0; i < 200; ++i) {
     const double z = -1 + i / 100.0, r = std::sqrt(std::max(0.0, 1 - z * z));

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "polyscalpel/cutting/blade_sweep.hpp"
 #include "ros_bridge/pose_messages.hpp"
 
 namespace polyscalpel {

@@ -26,11 +26,14 @@ TEST(SimulatedCuts, ABladeDrawnThroughLeavesTwoPieces) {
   for (const bool tetrahedra : {false, true}) {
     Simulation simulation(cuttingScene(tetrahedra));
     const int cells_before = simulation.mesh().numCells();
-    int num_events = 0;
+    int num_events = 0, most_pending = 0;
     for (int step = 0; step <= kCuttingSteps; ++step) {
       const StepReport report = simulation.step({cuttingPose(step)});
       ASSERT_TRUE(report.converged) << report.message;
       expectSound(simulation);
+      EXPECT_EQ(simulation.numPending(0), report.tools[0].pending_crossings);
+      ASSERT_EQ(simulation.pendingPoints(0).cols(), simulation.numPending(0));
+      most_pending = std::max(most_pending, simulation.numPending(0));
       for (const CutEvent& event : report.cuts) {
         EXPECT_EQ(event.tool, 0);
         EXPECT_EQ(event.result.status, CutStatus::kCut);
@@ -42,6 +45,8 @@ TEST(SimulatedCuts, ABladeDrawnThroughLeavesTwoPieces) {
     EXPECT_EQ(simulation.pieces().count, 2);
     EXPECT_EQ(simulation.numCuts(), 1);
     EXPECT_GT(num_events, 1);
+    EXPECT_GT(most_pending, 0);
+    EXPECT_EQ(simulation.numPending(0), 0) << "the blade has left";
     EXPECT_GT(simulation.mesh().numCells(), cells_before);
     EXPECT_NEAR(volume(simulation.mesh(), simulation.mesh().restPositions()), simulation.restVolume_m3(),
                 1e-9 * simulation.restVolume_m3());

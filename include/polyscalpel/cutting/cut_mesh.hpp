@@ -107,6 +107,13 @@ CutResult cutMesh(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>
 
 /// One blade moving through moving tissue: remembers crossed edges and splits each cell once the blade has
 /// left it.
+///
+/// A crossed edge is pending until it is split, with a cell around it: once the blade has left that cell's
+/// bounding box by hold_back, where the blade comes to rest (closeFront()), or as the stroke ends. What is
+/// still pending then is released, its tissue whole: the blade has not passed those cells from side to side.
+/// A stroke ends when the blade is out of the tissue, further than hold_back from every cell's box, when it
+/// is taken away (finish(), forget()), or when its motion is refused. If another cut divides a pending edge,
+/// the crossing stays with the part in which it lies; if that edge goes with its cells, so does the crossing.
 class BladeCut {
  public:
   /// edge_tool: 3 x k, k >= 2 [m], the cutting edge as a polyline in the tool's frame. Throws
@@ -150,6 +157,9 @@ class BladeCut {
   double travelInSizes() const;
   /// Edges remembered as crossed and not yet split.
   int numPending() const;
+  /// Where they are crossed, as the body lies in positions (3 x n [m]): 3 x numPending() [m], by the edges'
+  /// vertices, ascending.
+  Eigen::Matrix3Xd pendingPoints(const Eigen::Ref<const Eigen::Matrix3Xd>& positions) const;
   /// Whether a stroke is under way: the blade has crossed an edge and has not left the tissue since.
   bool isCutting() const;
 

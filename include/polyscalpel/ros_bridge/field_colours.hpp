@@ -22,7 +22,7 @@ namespace polyscalpel {
 Eigen::Vector3d mapColour(double value);
 
 /// The field at the mesh's vertices [Pa]; of the error, which is known by cell, the mean over the cells
-/// around. colour_by: not kNone. field: of this mesh as it is.
+/// around. colour_by: one that shows a field. field: of this mesh as it is.
 Eigen::VectorXd vertexValues(const PolyhedralMesh& mesh, const StressField& field, ColourBy colour_by);
 
 /// Values of the first and last colour [Pa]: as asked for, or where that is [0, 0] the smallest and largest

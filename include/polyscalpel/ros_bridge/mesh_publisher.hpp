@@ -20,7 +20,8 @@
 namespace polyscalpel {
 
 /// Publishes everything that can be seen on the latched topic `mesh`: namespaces surface, cut_faces,
-/// colours (what they show), wireframe, pieces, tools, blades, contacts. Markers that are no longer there are
+/// colours (what they show), wireframe, pieces, pending (one marker a blade, a point for each edge that it
+/// has crossed and that is not split yet), tools, blades, contacts. Markers that are no longer there are
 /// deleted in the next message.
 class MeshPublisher {
  public:
@@ -44,6 +45,7 @@ class MeshPublisher {
   void addTissue(visualization_msgs::MarkerArray& array) const;
   void addTool(visualization_msgs::MarkerArray& array, std::size_t tool,
                const Eigen::Isometry3d& T_world_tool) const;
+  void addPending(visualization_msgs::MarkerArray& array) const;
   void addContacts(visualization_msgs::MarkerArray& array, const std::vector<AppliedContact>& contacts) const;
 
   const SceneParameters& parameters_;

@@ -23,6 +23,7 @@ enum class ClockMode {
 /// What the colours of the tissue show.
 enum class ColourBy {
   kNone,          ///< one colour each for the surface and for cut faces
+  kPiece,         ///< the pieces that a cut has made, each in its own colour
   kVonMises,      ///< von Mises' equivalent stress [Pa]
   kMaxPrincipal,  ///< largest principal stress [Pa], tension positive
   kError,         ///< estimated error energy of a cell over its volume at rest [J/m^3 = Pa]
@@ -63,10 +64,11 @@ struct NodeConfig {
   double mesh_rate_hz = 30;            ///< in (0, 1000]: mesh messages a second of simulated time
   bool wireframe = false;              ///< draw the edges of the cells' faces on the surface
   bool piece_labels = true;            ///< name the pieces as soon as there are several
+  bool pending_points = true;          ///< show where edges are crossed by a blade and not yet split
   double contact_arrow_m_per_n = 0.1;  ///< in (0, 1000]: length of the arrow of a contact force
   Rgba surface_colour_rgba = Rgba(0.62, 0.20, 0.17, 1);
   Rgba cut_colour_rgba = Rgba(0.93, 0.55, 0.50, 1);
-  ColourBy colour_by = ColourBy::kNone;  ///< any other: needs SimulationConfig::stress
+  ColourBy colour_by = ColourBy::kNone;  ///< kNone and kPiece; any other: needs SimulationConfig::stress
   /// Values of the first and the last colour, the first smaller; both 0: smallest and largest value at hand.
   Eigen::Vector2d colour_range_pa = Eigen::Vector2d::Zero();
 };

@@ -47,6 +47,11 @@ visualization_msgs::Marker makeTriangleMarker(const SurfaceTriangles& triangles,
 visualization_msgs::Marker makeWireframeMarker(const PolyhedralMesh& mesh,
                                                const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
+/// A SPHERE_LIST of the given diameter [m] at the points, 3 x n [m]; header, namespace, id and colour are the
+/// caller's.
+visualization_msgs::Marker makePointMarker(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                           double diameter_m);
+
 /// What a label tells of a piece.
 struct PieceSummary {
   double volume_m3 = 0;                                   ///< in the given positions

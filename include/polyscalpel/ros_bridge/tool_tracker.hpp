@@ -110,8 +110,4 @@ class ToolTracker {
   bool timed_out_ = false;
 };
 
-/// Between two poses: positions on the line, orientations on the shortest arc. s in [0, 1].
-Eigen::Isometry3d interpolate(const Eigen::Isometry3d& T_world_start, const Eigen::Isometry3d& T_world_end,
-                              double s);
-
 }  // namespace polyscalpel

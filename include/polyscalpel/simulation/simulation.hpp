@@ -136,6 +136,12 @@ class Simulation {
   /// Shape of a tool, or nullptr when it has none or the scene has no contact.
   const ToolShape* toolShape(int tool) const;
 
+  /// Edges that a tool's blade has crossed and that are not split yet (BladeCut says until when); 0 for a
+  /// tool without a blade.
+  int numPending(int tool) const;
+  /// Where they are crossed: 3 x numPending(tool), world frame [m].
+  Eigen::Matrix3Xd pendingPoints(int tool) const;
+
   std::int64_t stepCount() const;
   double time_s() const;         ///< stepCount() * time_step_s
   double restVolume_m3() const;  ///< of the mesh before any cut
