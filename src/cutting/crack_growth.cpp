@@ -217,10 +217,14 @@ CrackPlan CrackGrowth::plan(const PolyhedralMesh& mesh, const Positions& positio
   CrackPlan plan;
   std::map<int, std::vector<CellId>> cells;  // by slit
   int count = 0;
+  const CellLoad* start = nullptr;  // of a new crack
   for (const auto& [minus_ratio, load] : strained) {
     const CrackedCell cell(mesh, positions, *load, snap_tolerance_);
     if (!cell.isDivided() || cell.energyRelease_j_m2() < load->fracture_toughness_j_m2) continue;
-    if (cell.front().slit == 0 && (count > 0 || isNearFront(mesh, load->cell))) continue;
+    if (cell.front().slit == 0) {
+      if (!start && !isNearFront(mesh, load->cell)) start = load;
+      continue;
+    }
     if (count == config_.max_splits_per_step) {
       plan.is_limited = true;
       break;
@@ -228,6 +232,7 @@ CrackPlan CrackGrowth::plan(const PolyhedralMesh& mesh, const Positions& positio
     cells[cell.front().slit].push_back(load->cell);
     ++count;
   }
+  if (count == 0 && start) cells[0].push_back(start->cell);
   for (auto& [slit, of_slit] : cells) plan.advances.push_back({slit, std::move(of_slit)});
   return plan;
 }

@@ -216,7 +216,7 @@ TEST(CrackGrowth, TensionThatTurnsAtRandomLeavesASoundMesh) {
     MeshIndex index(mesh);
     CrackGrowth cracks({30}, 0.05);
     int splits = 0, left_whole = 0, last_cut = 0;
-    for (int step = 0; step < 20; ++step) {
+    for (int step = 0; step < 35; ++step) {
       std::vector<CellLoad> loads;
       for (const CellId cell : mesh.cells()) {
         const Vector3d middle = mesh.restPosition(mesh.cell(cell).vertices.front());

@@ -259,7 +259,7 @@ TEST(CutBalance, TheElasticEnergyOfAHexahedronsPartsIsBounded) {
     highest = std::max(highest, ratios[17]);
   }
   EXPECT_GT(lowest, 0.5);
-  EXPECT_LT(highest, 15);
+  EXPECT_LT(highest, 16);
 }
 
 }  // namespace

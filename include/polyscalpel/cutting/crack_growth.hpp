@@ -66,10 +66,10 @@ struct CrackPlan {
 ///
 /// A cell at a front splits along the plane that holds the front's vertices in it and otherwise lies as
 /// nearly as possible across the principal direction; it does not split where the two directions are more
-/// than 60 degrees apart. A new crack starts in the most strained cell of the body alone, if that has no
-/// vertex on a front, along the plane through the mean of its vertices across the principal direction. A
-/// vertex nearer to a plane than the snap distance is taken to lie in it, and where a whole face then does,
-/// that face is opened.
+/// than 60 degrees apart. A new crack starts only while no front goes on, since a crack that grows unloads
+/// what is around it: in the most strained cell of the body that has no front near it, along the plane
+/// through the mean of its vertices across the principal direction. A vertex nearer to a plane than the snap
+/// distance is taken to lie in it, and where a whole face then does, that face is opened.
 class CrackGrowth {
  public:
   /// Both valid.
