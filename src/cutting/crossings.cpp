@@ -10,9 +10,10 @@
 namespace polyscalpel {
 namespace {
 
-/// An edge between two corners of the slit with a smaller |cos| to the blade's normal than this lies in the
-/// slit; one with a larger crosses it, as where a stroke crosses itself.
-constexpr double kLargestAlignmentInSlit = 0.5;
+/// An edge between two corners of the slit lies in it where neither is further from the blade's surface than
+/// this times the snap distance, as a corner that has been absorbed may be; otherwise the edge is crossed, as
+/// where a stroke crosses itself.
+constexpr double kSlitThickness = 2;
 
 /// Vertices joined to `vertex` by an edge.
 std::vector<VertexId> neighboursOf(const PolyhedralMesh& mesh, VertexId vertex) {
@@ -45,10 +46,12 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
   if (edges_.count(hit.edge)) return;
   const auto [a, b] = hit.edge;
   const auto snap_a = snaps_.find(a), snap_b = snaps_.find(b);
-  if (snap_a != snaps_.end() && snap_b != snaps_.end() && hit.alignment < kLargestAlignmentInSlit) return;
 
   const double across = hit.alignment * (mesh.restPosition(b) - mesh.restPosition(a)).norm();
   const double to_a = hit.weight * across, to_b = (1 - hit.weight) * across;
+  if (snap_a != snaps_.end() && snap_b != snaps_.end() &&
+      std::max(to_a / mesh.localSize(a), to_b / mesh.localSize(b)) < kSlitThickness * snap_tolerance)
+    return;
   const bool is_near_a = to_a < snap_tolerance * mesh.localSize(a);
   const bool is_near_b = to_b < snap_tolerance * mesh.localSize(b);
   if (is_near_a || is_near_b) {
