@@ -280,10 +280,17 @@ class Splitter {
     return hits;
   }
 
+  /// Whether a component could join the cut: none of it lies on the cut already, for other cells.
+  bool canJoin(const std::vector<VertexId>& component) const {
+    return std::none_of(component.begin(), component.end(),
+                        [&](VertexId v) { return crossings_.isOnCut(v); });
+  }
+
   /// Lets the first component join the cut that consists of vertices hanging in an edge between two corners
   /// of the cut: they lie on it, though no edge of theirs crosses it. Returns whether there was one.
   bool absorbHanging(CellId cell, const std::vector<std::vector<VertexId>>& components) {
     for (const auto& component : components) {
+      if (!canJoin(component)) continue;
       std::vector<std::pair<VertexId, int>> sides;
       for (const VertexId v : component) {
         int degree = 0, side = 0;
@@ -310,6 +317,7 @@ class Splitter {
   /// distance of the mean plane of its border. Returns whether there was one.
   bool absorbFlat(CellId cell, const std::vector<std::vector<VertexId>>& components) {
     for (const auto& component : components) {
+      if (!canJoin(component)) continue;
       const std::size_t savepoint = editor_.savepoint();
       CellSplit split(editor_, crossings_, cell, component);
       const bool has_border = split.findBorder();
@@ -337,6 +345,7 @@ class Splitter {
   /// Lets the first thin component join the cut. Returns whether there was one.
   bool absorbThin(CellId cell, const std::vector<std::vector<VertexId>>& components) {
     for (const auto& component : components) {
+      if (!canJoin(component)) continue;
       if (component.size() > kMostAbsorbed) continue;
       std::vector<std::pair<VertexId, int>> sides;
       for (const VertexId v : component) {
