@@ -107,8 +107,8 @@ bool hasEdge(const Face& face, VertexId a, VertexId b);
 /// Cells that have the edge a-b, ascending; empty where there is no such edge.
 std::vector<CellId> cellsAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b);
 
-/// How many groups the cells that have the edge a-b fall into, each joined through closed faces at the edge: 1
-/// in a sound mesh, 0 where there is no such edge.
+/// How many groups the cells that have the edge a-b fall into, each joined through closed faces at the edge:
+/// 1 in a sound mesh, 0 where there is no such edge.
 int numFansAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b);
 
 /// Cells that have the vertex, ascending.
