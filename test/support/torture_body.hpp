@@ -11,6 +11,7 @@
 
 #include <Eigen/Geometry>
 
+#include "polyscalpel/core/types.hpp"
 #include "polyscalpel/cutting/cut_mesh.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
 
@@ -60,8 +61,9 @@ struct TortureOutcome {
   int pieces_torn = 0;                  ///< parts that no cut separates, of a convex body, and that are apart
   double volume_error = 0;              ///< of the body since it was whole, relative
   double piece_volume_error = 0;  ///< see PlaneComparison; only of the first plane through a convex body
-  double shortest_edge = 0;       ///< of the mesh, rest length by the local size
-  double shortest_part = 0;       ///< the same of the edges that the cut has divided; 1 where it has none
+  /// Of the mesh, rest length by the local size; kInfinity where the cut was refused as no cut.
+  double shortest_edge = kInfinity;
+  double shortest_part = 1;  ///< the same of the edges that the cut has divided; 1 where it has none
 };
 
 class TortureBody {

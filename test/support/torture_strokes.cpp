@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "polyscalpel/cutting/blade_sweep.hpp"
+#include "polyscalpel/mesh/surface.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -260,9 +261,11 @@ TortureCut inTheSurface(const TortureBody& body, const TortureCut*, TortureRando
   do id = FaceId(pick(random, mesh.faceCapacity()));
   while (!mesh.face(id).isAlive() || !mesh.face(id).isBoundary());
   const auto& loop = mesh.face(id).loop;
-  const Vector3d a = mesh.restPosition(loop[0]), b = mesh.restPosition(loop[1]),
-                 c = mesh.restPosition(loop[2]);
-  const Vector3d blade = (b - a).normalized(), normal = (b - a).cross(c - a).normalized();
+  const Vector3d a = mesh.restPosition(loop[0]), b = mesh.restPosition(loop[1]);
+  const Vector3d blade = (b - a).normalized();
+  // Of the whole face: three vertices that follow each other may lie in one line.
+  const Vector3d area = planeOf(mesh.face(id), mesh.restPositions()).second;
+  const Vector3d normal = (area - blade.dot(area) * blade).normalized();
   Track track;
   track.axes.col(2) = blade;
   track.axes.col(1) = normal;
