@@ -15,7 +15,7 @@ from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import Marker, MarkerArray
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-PATIENCE_S = 120
+PATIENCE_S = 120  # No .test file calls its node `required`: where one ends early, rostest finds no result and calls that success.
 
 
 def serialised(message):
