@@ -7,6 +7,7 @@ import sys
 import time
 import unittest
 
+import roslib.packages
 import rospy
 import rostest
 from geometry_msgs.msg import PoseStamped
@@ -33,7 +34,8 @@ class SpiralTest(unittest.TestCase):
         poses = []
         recorder = rospy.Subscriber('scalpel/measured_cp', PoseStamped, poses.append, queue_size=None)
         listener.clear()
-        subprocess.check_call(['rosrun', 'polyscalpel', 'simulated_tool', '_path:=' + PATH, '_wait_for_subscribers:=2'])
+        simulated_tool = roslib.packages.find_node('polyscalpel', 'simulated_tool')[0]
+        subprocess.check_call([simulated_tool, '_path:=' + PATH, '_wait_for_subscribers:=2'])
         wait_until(lambda: len(poses) > 1, 'poses')
         steps = int((poses[-1].header.stamp - poses[0].header.stamp).to_sec() / H + 1e-6)
         self.wait_for_steps(listener, steps)
