@@ -79,21 +79,15 @@ std::vector<CellId> cellsAround(const PolyhedralMesh& mesh, VertexId vertex) {
 }
 
 int numFansAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
-  const std::vector<CellId> cells = cellsAroundEdge(mesh, a, b);
-  int num_fans = static_cast<int>(cells.size());
-  DisjointSets fans(num_fans);
-  const auto rootOf = [&](CellId id) {
-    return fans.find(static_cast<int>(std::lower_bound(cells.begin(), cells.end(), id) - cells.begin()));
-  };
+  int num_faces = 0, num_boundary_faces = 0;
   for (const FaceId id : mesh.facesAround(a)) {
-    const Face& face = mesh.face(id);
-    if (face.isBoundary() || !hasEdge(face, a, b)) continue;
-    const int first = rootOf(face.cells[0]), second = rootOf(face.cells[1]);
-    if (first == second) continue;
-    fans.join(first, second);
-    --num_fans;
+    if (!hasEdge(mesh.face(id), a, b)) continue;
+    ++num_faces;
+    num_boundary_faces += mesh.face(id).isBoundary();
   }
-  return num_fans;
+  // Each cell has two faces at its edge, so a group ends in two boundary faces or goes all the way round.
+  if (num_boundary_faces == 0) return num_faces > 0 ? 1 : 0;
+  return num_boundary_faces / 2;
 }
 
 MeshEditor::MeshEditor(PolyhedralMesh& mesh) : mesh_(mesh), first_new_cell_(mesh.cellCapacity()) {}

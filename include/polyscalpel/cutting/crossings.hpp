@@ -96,7 +96,8 @@ class Crossings {
   void recordDividedCells(const MeshChange& change);
 
   /// Side of the blade's surface on which a cell lies, seen from a face of it whose corners are all snapped:
-  /// +1 or -1. A cell with every vertex snapped lies where most of them were before they were snapped.
+  /// +1 or -1. A cell with every vertex snapped lies where most ends of its edges were before they were
+  /// snapped.
   int sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face) const;
 
   /// Whether all corners of the face are snapped.
