@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polyscalpel/cutting/blade_distance.hpp"
+#include "polyscalpel/cutting/plane_hit.hpp"
 #include "polyscalpel/geometry/predicates.hpp"
+#include "polyscalpel/geometry/triangle.hpp"
 
 namespace polyscalpel {
 namespace {
@@ -17,15 +20,6 @@ using Positions = Eigen::Ref<const Matrix3Xd>;
 
 constexpr int kMostHalvings = 8;
 
-/// Vertices that a cut under way has just put on the cell's edges have no column yet and lie between others.
-AlignedBox3d boxOf(const Cell& cell, const Positions& positions) {
-  AlignedBox3d box;
-  for (const VertexId v : cell.vertices) {
-    if (v.index() < positions.cols()) box.extend(positions.col(v.index()));
-  }
-  return box;
-}
-
 AlignedBox3d boxOf(const Positions& points) {
   return {Vector3d(points.rowwise().minCoeff()), Vector3d(points.rowwise().maxCoeff())};
 }
@@ -33,34 +27,6 @@ AlignedBox3d boxOf(const Positions& points) {
 void sortUnique(std::vector<Edge>& edges) {
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-}
-
-/// Whether the segment p-q meets the box (slab test of A. Williams et al., "An Efficient and Robust Ray-Box
-/// Intersection Algorithm", 2005, with division only by components that are not 0).
-bool meets(const AlignedBox3d& box, const Vector3d& p, const Vector3d& q) {
-  double enter = 0, leave = 1;
-  for (int i = 0; i < 3; ++i) {
-    const double way = q[i] - p[i];
-    if (way == 0) {
-      if (p[i] < box.min()[i] || p[i] > box.max()[i]) return false;
-      continue;
-    }
-    double first = (box.min()[i] - p[i]) / way, second = (box.max()[i] - p[i]) / way;
-    if (first > second) std::swap(first, second);
-    enter = std::max(enter, first);
-    leave = std::min(leave, second);
-  }
-  return enter <= leave;
-}
-
-/// Whether any segment of the blade comes nearer to the box than `distance` along some axis.
-bool meets(AlignedBox3d box, const Positions& blade, double distance) {
-  box.min().array() -= distance;
-  box.max().array() += distance;
-  for (int i = 0; i + 1 < blade.cols(); ++i) {
-    if (meets(box, blade.col(i), blade.col(i + 1))) return true;
-  }
-  return false;
 }
 
 /// Edges for whose box, over the motion of the tissue, is_near holds, as it does for the box of a cell that
@@ -162,15 +128,15 @@ class Sweep {
     const double travel = longestWay(motion.edge_tool, motion.T_world_tool_start, motion.T_world_tool_end);
     edges_ = edgesNear(mesh, tree, motion.positions_start, motion.positions_end,
                        [&](const AlignedBox3d& box) { return meets(box, start, travel); });
+    edges_.erase(std::remove_if(edges_.begin(), edges_.end(),
+                                [&](const Edge& edge) { return !isInReach(edge, start, travel); }),
+                 edges_.end());
 
     double size = kInfinity, drift = 0;
     for (const auto& [a, b] : edges_) {
       for (const VertexId v : {a, b}) {
         size = std::min(size, mesh.localSize(v));
-        if (moves_) {
-          drift = std::max(
-              drift, (motion.positions_end.col(v.index()) - motion.positions_start.col(v.index())).norm());
-        }
+        drift = std::max(drift, driftOf(v));
       }
     }
     travel_in_sizes_ = edges_.empty() ? 0 : (travel + drift) / size;
@@ -210,6 +176,24 @@ class Sweep {
   }
 
  private:
+  /// How far the tissue moves at a vertex [m].
+  double driftOf(VertexId v) const {
+    return moves_ ? (motion_.positions_end.col(v.index()) - motion_.positions_start.col(v.index())).norm()
+                  : 0;
+  }
+
+  /// Whether blade and edge may meet, wherever they lie along the axes: the sub-steps depend on these edges.
+  bool isInReach(const Edge& edge, const Matrix3Xd& blade, double travel) const {
+    const Vector3d a = motion_.positions_start.col(edge.first.index()),
+                   b = motion_.positions_start.col(edge.second.index());
+    const double reach = travel + std::max(driftOf(edge.first), driftOf(edge.second));
+    for (Eigen::Index i = 0; i + 1 < blade.cols(); ++i) {
+      if (closestPointsOfSegments(a, b, blade.col(i), blade.col(i + 1)).squared_distance <= reach * reach)
+        return true;
+    }
+    return false;
+  }
+
   Matrix3Xd bladeAt(double s) const {
     return interpolate(motion_.T_world_tool_start, motion_.T_world_tool_end, s) * motion_.edge_tool;
   }
@@ -275,7 +259,8 @@ AlignedBox3d reachOf(const Matrix3Xd& edge_tool, const Isometry3d& T_start, cons
 
 std::vector<Hit> findHits(const PolyhedralMesh& mesh, const CellTree& tree, const Positions& positions,
                           const PlaneCut& plane) {
-  const Slab slab(plane.point_world, plane.normal_world.stableNormalized());
+  const Vector3d normal = plane.normal_world.stableNormalized();
+  const Slab slab(plane.point_world, normal);
   const auto sideOf = [&](VertexId v) {
     return sideOfPlane(positions.col(v.index()), plane.point_world, plane.normal_world);
   };
@@ -302,14 +287,8 @@ std::vector<Hit> findHits(const PolyhedralMesh& mesh, const CellTree& tree, cons
   std::vector<Hit> hits;
   hits.reserve(crossed.size());
   for (const auto& [edge, side] : crossed) {
-    const auto distance = [&](VertexId v, int side_of_v) {
-      const double value = plane.normal_world.dot(positions.col(v.index()) - plane.point_world);
-      return std::max(0.0, value * side_of_v);
-    };
-    const double first = distance(edge.first, -side), second = distance(edge.second, side);
-    const double weight = first + second > 0 ? first / (first + second) : 0;
-    const Vector3d way = positions.col(edge.second.index()) - positions.col(edge.first.index());
-    hits.push_back({edge, weight, side, absoluteCosine(way, plane.normal_world)});
+    hits.push_back(hitOnPlane(edge, positions.col(edge.first.index()), positions.col(edge.second.index()),
+                              plane.point_world, normal, side));
   }
   return hits;
 }
@@ -350,27 +329,6 @@ std::optional<std::vector<Hit>> findHits(const PolyhedralMesh& mesh, const CellT
     sweep.findHits(static_cast<double>(i) / count, static_cast<double>(i + 1) / count, kMostHalvings, hits);
   }
   return hits;
-}
-
-bool isBladeAt(const PolyhedralMesh& mesh, CellId id, const Positions& positions,
-               const Positions& blade_world, double margin) {
-  const Cell& cell = mesh.cell(id);
-  return meets(boxOf(cell, positions), blade_world, margin * mesh.localSize(id));
-}
-
-bool isBladeInTissue(const PolyhedralMesh& mesh, const CellTree& tree, const Positions& positions,
-                     const Positions& blade_world, double margin) {
-  bool is_in = false;
-  tree.visit(
-      mesh,
-      [&](const CellTree::Bound& bound) {
-        return meets(bound.box, blade_world, margin * bound.largest_size);
-      },
-      [&](CellId id) {
-        is_in = isBladeAt(mesh, id, positions, blade_world, margin);
-        return !is_in;
-      });
-  return is_in;
 }
 
 }  // namespace polyscalpel

@@ -2,6 +2,10 @@
 #include "polyscalpel/cutting/crossings.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <boost/container/flat_map.hpp>
 
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/mesh/mesh_editing.hpp"
@@ -14,6 +18,10 @@ namespace {
 /// this times the snap distance, as a corner that has been absorbed may be; otherwise the edge is crossed, as
 /// where a stroke crosses itself.
 constexpr double kSlitThickness = 2;
+
+/// Vertices whose heights over a face's plane sum up to no more than this, in localSize, do not tell a side,
+/// but for rounding: the least that may be set as snap tolerance.
+constexpr double kSmallestHeight = 1e-6;
 
 /// Vertices joined to `vertex` by an edge.
 std::vector<VertexId> neighboursOf(const PolyhedralMesh& mesh, VertexId vertex) {
@@ -155,10 +163,11 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
       std::all_of(loop.begin(), loop.end(), [&](VertexId v) { return part->second.settled.count(v) > 0; })) {
     return part->second.side;
   }
-  // A vertex high above the face tells most: what lies near the blade's surface may be on either side of it
-  // by rounding or by the bend of the surface.
-  const auto [origin, normal] = planeOf(mesh.face(face_id), mesh.restPositions());
-  double at_face = 0, anywhere = 0;  // seen from the face's own corners, and from all snapped ones
+  // What the corners say of each vertex is summed in whole numbers, so that what cancels out leaves nothing.
+  struct Votes {
+    int at_face = 0, anywhere = 0;  // seen from the face's own corners, and from all snapped ones
+  };
+  boost::container::flat_map<VertexId, Votes> votes;
   int own = 0;
   for (const auto& [a, b] : mesh.edges(cell)) {
     for (const auto& [corner, other] : {std::make_pair(a, b), std::make_pair(b, a)}) {
@@ -166,16 +175,26 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
       if (snap == snaps_.end()) continue;
       own += snap->second.side;
       if (isInFace(other) || isOnCut(other)) continue;
-      const double vote =
-          snap->second.sideOfNeighbour(other) * std::abs(normal.dot(mesh.restPosition(other) - origin));
-      anywhere += vote;
-      if (isInFace(corner)) at_face += vote;
+      const int side = snap->second.sideOfNeighbour(other);
+      votes[other].anywhere += side;
+      if (isInFace(corner)) votes[other].at_face += side;
     }
   }
+  // A vertex high above the face tells most: what lies near the blade's surface may be on either side of it
+  // by rounding or by the bend of the surface.
+  const auto [origin, area] = planeOf(mesh.face(face_id), mesh.restPositions());
+  const Eigen::Vector3d normal = area.normalized();
+  double at_face = 0, anywhere = 0;
+  for (const auto& [vertex, sum] : votes) {
+    const double height = std::abs(normal.dot(mesh.restPosition(vertex) - origin));
+    at_face += sum.at_face * height;
+    anywhere += sum.anywhere * height;
+  }
   // No edge may leave the face's own corners but along it, and all of the cell may lie in the slit.
-  if (at_face != 0) return at_face > 0 ? 1 : -1;
-  if (anywhere != 0) return anywhere > 0 ? 1 : -1;
-  return own > 0 ? 1 : -1;
+  const double least = kSmallestHeight * mesh.localSize(cell);
+  if (std::abs(at_face) > least) return at_face > 0 ? 1 : -1;
+  if (std::abs(anywhere) > least) return anywhere > 0 ? 1 : -1;
+  return own == 0 ? 0 : own > 0 ? 1 : -1;
 }
 
 bool Crossings::isInSlit(const Face& face) const {
@@ -184,9 +203,7 @@ bool Crossings::isInSlit(const Face& face) const {
 
 void Crossings::recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& origin, bool is_on_cut) {
   if (is_on_cut) {
-    snaps_[origin.vertex];
-    open_vertices_.insert(origin.vertex);
-    for (const CellId cell : cellsAround(mesh, origin.vertex)) cells_.insert(cell);
+    snap(mesh, origin.vertex, 0);
     return;
   }
   const auto [a, b] = makeEdge(origin.parents[0], origin.parents[1]);

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <optional>
 #include <set>
-#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "polyscalpel/core/checks.hpp"
+#include "polyscalpel/cutting/blade_distance.hpp"
 #include "polyscalpel/cutting/blade_sweep.hpp"
 #include "polyscalpel/cutting/crossings.hpp"
 #include "polyscalpel/cutting/cut_input.hpp"
@@ -25,6 +26,9 @@ using Positions = Eigen::Ref<const Matrix3Xd>;
 
 /// The last part of a motion, from which the direction is taken in which the blade arrives.
 constexpr double kLatePart = 1.0 / 16;
+/// A stroke goes on from a slit's front that is no further from the blade where it starts, in snap distances:
+/// of two, one is the slit's sheet off its blade, and the other the front.
+constexpr double kTakeUpDistance = 2;
 /// Travel, in localSize, over which the direction of the blade is taken.
 constexpr double kSteadyTravel = 0.1;
 
@@ -172,6 +176,7 @@ struct BladeCut::Impl {
   std::set<CellId> refused;            // could not be split; tried once more when the stroke ends
   std::optional<MeshIndex> own_index;  // where the caller keeps none: the pieces alone, without a tree
   std::optional<BladeFront> front;     // since the blade is in the tissue
+  std::vector<VertexId> taken_up;      // on the fronts of other slits where the blade's way began
   double last_size = kInfinity;        // localSize around the blade, of when it had last crossed something
   double last_travel_in_sizes = 0;
   Matrix3Xd travel_since;  // of the blade relative to the tissue, not in front->travel_world yet
@@ -180,6 +185,7 @@ struct BladeCut::Impl {
     crossings.clear();
     refused.clear();
     front.reset();
+    taken_up.clear();
     last_size = kInfinity;
     last_travel_in_sizes = 0;
   }
@@ -266,23 +272,25 @@ struct BladeCut::Impl {
       transaction.refuse();
       return {};
     }
+    if (!front) {
+      const Matrix3Xd start_world = motion.T_world_tool_start * edge_tool;
+      taken_up = frontAtBlade(mesh, transaction.tree(), motion.positions_start, start_world,
+                              kTakeUpDistance * config.snap_tolerance);
+    }
+    if (!hits->empty()) {
+      // Before the hits, which would say of a vertex at the blade on which side of it it lies: by rounding.
+      for (const VertexId v : taken_up) crossings.snap(mesh, v, 0);
+      taken_up.clear();
+    }
     transaction.remember(*hits);
     const Matrix3Xd blade_world = motion.T_world_tool_end * edge_tool;
-    has_left =
-        !isBladeInTissue(mesh, transaction.tree(), motion.positions_end, blade_world, config.hold_back);
+    const std::unordered_set<CellId> held =
+        cellsAtBlade(mesh, transaction.tree(), motion.positions_end, blade_world, config.hold_back);
     followFront(mesh, motion);
-    if (has_left) {
-      return splitAll(transaction);
-    }
-    const int first_new = mesh.cellCapacity();
-    std::unordered_map<CellId, bool> known;
-    const auto isReady = [&](CellId id) {
-      if (id.index() >= first_new) return true;  // a part of a cell that was
-      const auto [place, is_new] = known.emplace(id, true);
-      if (is_new) place->second = !isBladeAt(mesh, id, motion.positions_end, blade_world, config.hold_back);
-      return place->second;
-    };
-    MeshChange change = transaction.split(isReady);
+    has_left = held.empty();
+    if (has_left) return splitAll(transaction);
+    // Parts of a cell that was ready are, too: they are not among the held ones.
+    MeshChange change = transaction.split([&](CellId id) { return held.count(id) == 0; });
     refused.insert(transaction.leftWhole().begin(), transaction.leftWhole().end());
     return change;
   }

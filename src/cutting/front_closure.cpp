@@ -9,6 +9,8 @@
 
 #include <Eigen/Geometry>
 
+#include "polyscalpel/cutting/blade_distance.hpp"
+#include "polyscalpel/cutting/plane_hit.hpp"
 #include "polyscalpel/cutting/split_cells.hpp"
 #include "polyscalpel/geometry/predicates.hpp"
 #include "polyscalpel/mesh/surface.hpp"
@@ -25,6 +27,9 @@ constexpr double kSmallestSine = 0.05;
 /// Snap tolerance of the planes that close the front, as part of that of the cut: the front is to end within
 /// the latter, whose crossings may lie as far off.
 constexpr double kFrontSnap = 0.5;
+
+/// Part of a segment by which a point beyond its end belongs to it.
+constexpr double kRounding = 1e-9;
 
 struct Plane {
   Vector3d point, normal;
@@ -60,23 +65,25 @@ class SegmentFront {
     if (origins_.empty()) return 0;
 
     // The travel across the segment within the sheet points forward.
-    const Vector3d forward = sheet_normal_.cross(way_);
+    forward_ = sheet_normal_.cross(way_).normalized();
     Crossings front_plane;
-    int count = divide({p_, forward}, front_plane, [](CellId) { return true; });
-    remember(front_plane, [&](const Vector3d& point) {
+    const Plane at_blade{p_, forward_};
+    int count = divide(at_blade, front_plane, [](CellId) { return true; });
+    // Where the planes of two segments divide one cell, they meet in an edge through the blade's corner.
+    const double rounding = kRounding * way_.squaredNorm();
+    remember(front_plane, at_blade, [&](const Vector3d& point) {
       const double along = way_.dot(point - p_);
-      return along >= 0 && along <= way_.squaredNorm();
+      return along >= -rounding && along <= way_.squaredNorm() + rounding;
     });
     for (const int end : {0, 1}) {
       if (!(end == 0 ? is_first : is_last)) continue;
       const Vector3d tip = p_ + end * way_;
       Crossings end_plane;
-      count += divide({tip, sheet_normal_.cross(direction)}, end_plane, [&](CellId id) {
-        return passed[end].count(origins_.at(id)) > 0 && isBehind(id, forward);
-      });
-      remember(end_plane, [&](const Vector3d& point) {
-        return direction.dot(tip - point) <= front.stroke_length_m;  // all of it lies behind the segment
-      });
+      const Plane at_tip{tip, sheet_normal_.cross(direction)};
+      count += divide(at_tip, end_plane,
+                      [&](CellId id) { return passed[end].count(origins_.at(id)) > 0 && isBehind(id); });
+      remember(end_plane, at_tip,
+               [&](const Vector3d& point) { return direction.dot(tip - point) <= front.stroke_length_m; });
     }
     return count;
   }
@@ -84,44 +91,34 @@ class SegmentFront {
  private:
   const PolyhedralMesh& mesh() const { return editor_.mesh(); }
 
-  /// Whether the segment a-b meets the inside of a cell, whose faces are taken as planes (Cyrus and Beck
-  /// 1978).
   bool meets(CellId id, const Vector3d& a, const Vector3d& b) const {
-    double enter = 0, leave = 1;
-    for (const FaceId face_id : mesh().cell(id).faces) {
-      const Face& face = mesh().face(face_id);
-      const auto [origin, area] = planeOf(face, positions_);
-      const double sense = face.cells[0] == id ? 1 : -1;
-      const double height = sense * area.dot(a - origin), rise = sense * area.dot(b - a);
-      if (rise == 0) {
-        if (height > 0) return false;
-      } else if (rise > 0) {
-        leave = std::min(leave, -height / rise);
-      } else {
-        enter = std::max(enter, -height / rise);
-      }
-    }
-    return enter < leave;
+    return meetsCell(mesh(), id, positions_, a, b);
   }
 
-  bool isBehind(CellId id, const Vector3d& forward) const {
+  bool isBehind(CellId id) const {
     double sum = 0;
-    for (const VertexId v : mesh().cell(id).vertices) sum += forward.dot(positions_.col(v.index()) - p_);
+    for (const VertexId v : mesh().cell(id).vertices) sum += forward_.dot(positions_.col(v.index()) - p_);
     return sum < 0;
   }
 
+  /// With sign 0 where the plane does not separate the ends.
   Hit hitOf(const Edge& edge, const Plane& plane) const {
     const Vector3d a = positions_.col(edge.first.index()), b = positions_.col(edge.second.index());
     const int side_a = sideOfPlane(a, plane.point, plane.normal),
               side_b = sideOfPlane(b, plane.point, plane.normal);
-    Hit hit{edge, 0, 0, 1};
-    if (side_a == side_b) return hit;
-    const double to_a = std::max(0.0, side_a * plane.normal.dot(a - plane.point)),
-                 to_b = std::max(0.0, side_b * plane.normal.dot(b - plane.point));
-    hit.sign = side_b;
-    hit.weight = to_a + to_b > 0 ? to_a / (to_a + to_b) : 0.5;
-    hit.alignment = std::abs((b - a).normalized().dot(plane.normal.normalized()));
-    return hit;
+    if (side_a == side_b) return {edge};
+    return hitOnPlane(edge, a, b, plane.point, plane.normal.normalized(), side_b);
+  }
+
+  /// Has the plane go through the corners that are near it, also where the cell lies on one side of it: then
+  /// its front is a face of the cell.
+  void snapNear(CellId id, const Plane& plane, Crossings& crossings) const {
+    const Vector3d normal = plane.normal.normalized();
+    for (const VertexId v : mesh().cell(id).vertices) {
+      const double height = normal.dot(positions_.col(v.index()) - plane.point);
+      if (std::abs(height) < snap_tolerance_ * mesh().localSize(v) && !crossings.isOnCut(v))
+        crossings.snap(mesh(), v, height > 0 ? 1 : -1);
+    }
   }
 
   /// Divides the cells under way that are wanted by a closed plane.
@@ -138,6 +135,7 @@ class SegmentFront {
         const Hit hit = hitOf(edge, plane);
         if (hit.sign != 0) crossings.add(mesh(), hit, snap_tolerance_);
       }
+      snapNear(id, plane, crossings);
     }
     const int first_new = mesh().cellCapacity();
     const std::size_t savepoint = editor_.savepoint();
@@ -154,23 +152,29 @@ class SegmentFront {
     return counts.cells_split;
   }
 
-  /// Remembers the edges in the dividing faces where the blade's sheet meets them and has_passed holds.
+  /// Remembers the edges in the dividing faces where the blade's sheet meets them and has_passed holds, and
+  /// those behind the blade that the plane passes near: a front that is a cell's face has no dividing one.
   template <class HasPassed>
-  void remember(const Crossings& dividing, const HasPassed& has_passed) {
+  void remember(const Crossings& dividing, const Plane& plane, const HasPassed& has_passed) {
     std::vector<Edge> edges;
     for (const auto& [id, origin] : origins_) {
       if (!mesh().cell(id).isAlive()) continue;
-      for (const Edge& edge : mesh().edges(id)) {
-        if (dividing.isOnCut(edge.first) && dividing.isOnCut(edge.second)) edges.push_back(edge);
-      }
+      for (const Edge& edge : mesh().edges(id)) edges.push_back(edge);
     }
     std::sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    const Vector3d normal = plane.normal.normalized();
     for (const Edge& edge : edges) {
       const Hit hit = hitOf(edge, {p_, sheet_normal_});
+      if (hit.sign == 0) continue;
       const Vector3d point = (1 - hit.weight) * positions_.col(edge.first.index()) +
                              hit.weight * positions_.col(edge.second.index());
-      if (hit.sign != 0 && has_passed(point)) crossings_.add(mesh(), hit, snap_tolerance_);
+      const double reach =
+          snap_tolerance_ * std::min(mesh().localSize(edge.first), mesh().localSize(edge.second));
+      const bool is_in_front = dividing.isOnCut(edge.first) && dividing.isOnCut(edge.second);
+      const bool is_near =
+          std::abs(normal.dot(point - plane.point)) < reach && forward_.dot(point - p_) < reach;
+      if ((is_in_front || is_near) && has_passed(point)) crossings_.add(mesh(), hit, snap_tolerance_);
     }
   }
 
@@ -178,7 +182,7 @@ class SegmentFront {
   Crossings& crossings_;
   Matrix3Xd& positions_;
   double snap_tolerance_;
-  Vector3d p_, way_, sheet_normal_;
+  Vector3d p_, way_, sheet_normal_, forward_;
   std::unordered_map<CellId, CellId> origins_;  // cells in which the blade stands and their parts
 };
 

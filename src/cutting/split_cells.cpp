@@ -14,6 +14,7 @@
 
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/cutting/cell_split.hpp"
+#include "polyscalpel/cutting/plane_hit.hpp"
 #include "polyscalpel/geometry/predicates.hpp"
 #include "polyscalpel/mesh/mesh_checks.hpp"
 #include "polyscalpel/mesh/surface.hpp"
@@ -274,8 +275,7 @@ class Splitter {
       const Eigen::Vector3d a = mesh().restPosition(edge.first), b = mesh().restPosition(edge.second);
       const int side_a = sideOfPlane(a, middle, normal), side_b = sideOfPlane(b, middle, normal);
       if (side_a == side_b) continue;
-      const double to_a = std::abs(normal.dot(a - middle)), to_b = std::abs(normal.dot(b - middle));
-      hits.push_back({edge, to_a + to_b > 0 ? to_a / (to_a + to_b) : 0.5, side_b});
+      hits.push_back(hitOnPlane(edge, a, b, middle, normal, side_b));
     }
     return hits;
   }
@@ -304,7 +304,7 @@ class Splitter {
           if (side == 0) side = crossings_.sideOfNeighbour(other, v);
         }
         if (!is_held || degree != 2) break;
-        sides.emplace_back(v, side != 0 ? side : 1);
+        sides.emplace_back(v, side);
       }
       if (sides.size() != component.size()) continue;
       for (const auto& [v, side] : sides) crossings_.snap(mesh(), v, side);

@@ -132,6 +132,29 @@ TEST(BladeCut, FinishInTheMiddleLeavesAValidMesh) {
   EXPECT_TRUE(checkMesh(stroke.mesh).empty());
 }
 
+/// A stroke that ends within the body, also in planes of the mesh, and is taken up there by another blade.
+TEST(BladeCut, AStrokeThatGoesOnWhereAnotherEndedLeavesNoBridge) {
+  for (int trial = 0; trial < 24; ++trial) {
+    SCOPED_TRACE(trial);
+    PolyhedralMesh mesh = unitTets(5);
+    const double slope = -0.2 + 0.017 * trial, bend = trial % 2 ? 0 : 0.03;
+    const int steps = 60, stop = 18 + trial;
+    const auto pose = [&](int i) {
+      const double x = -0.5 + 2.0 * i / steps;
+      return at(x, 0.52 + slope * (x - 0.5) + bend * std::sin(8 * x));
+    };
+    CutResult result;
+    for (const auto& [from, to] : {std::make_pair(0, stop), std::make_pair(stop, steps)}) {
+      BladeCut blade(verticalBlade(), {});
+      for (int i = from; i < to; ++i)
+        blade.advance(mesh, mesh.restPositions(), mesh.restPositions(), pose(i), pose(i + 1), 1);
+      result = blade.finish(mesh, mesh.restPositions(), 1);
+      ASSERT_TRUE(checkMesh(mesh).empty()) << checkMesh(mesh).front();
+      EXPECT_EQ(result.pieces_after, to == steps ? 2 : 1);
+    }
+  }
+}
+
 TEST(BladeCut, AnotherCutInTheMiddleOfAStrokeIsFollowed) {
   Stroke stroke;
   const auto still = [](double) { return at(0, 0, 0); };

@@ -2,6 +2,7 @@
 //
 // A search by the tree gives what a look at every cell gives, bit for bit.
 #include "polyscalpel/cutting/blade_sweep.hpp"
+#include "polyscalpel/cutting/blade_distance.hpp"
 
 #include <cmath>
 #include <random>
@@ -117,9 +118,9 @@ void expectSearchesAgree(Patient& patient, Dice& dice, double start, double end,
   tally.still += expectSame(*findHits(mesh, tree, still, 0.25), *findHits(mesh, {}, still, 0.25));
   const Matrix3Xd blade = T1 * edge;
   for (const double margin : {0.0, 0.5, 2.0}) {
-    const bool is_in = isBladeInTissue(mesh, {}, x1, blade, margin);
-    EXPECT_EQ(isBladeInTissue(mesh, tree, x1, blade, margin), is_in);
-    tally.in_tissue += is_in;
+    const auto cells = cellsAtBlade(mesh, {}, x1, blade, margin);
+    EXPECT_EQ(cellsAtBlade(mesh, tree, x1, blade, margin), cells);
+    tally.in_tissue += !cells.empty();
   }
   tree.fit(mesh, x1);
   for (const Matrix3Xd* x : {&x0, &x1}) {

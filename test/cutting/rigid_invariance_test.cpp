@@ -63,11 +63,12 @@ std::vector<PolyhedralMesh> bodies() {
   return all;
 }
 
-TEST(RigidInvariance, MeshAndFlatBladeTurnedTogetherGiveTheSameMeshLoopByLoop) {
+/// Turns bodies and cuts of these kinds together and expects the same mesh loop by loop.
+void expectSameMeshTurned(const std::vector<std::string>& kinds) {
   for (const PolyhedralMesh& body : bodies()) {
     for (unsigned seed = 1; seed <= 12; ++seed) {
       TortureRandom random(seed);
-      const std::vector<CutOperation> cuts = someCuts(body, kAtOnce, random);
+      const std::vector<CutOperation> cuts = someCuts(body, kinds, random);
       const Placement placement = somePlacement(random, false);
       PolyhedralMesh here = body, there = placement(body);
       for (std::size_t i = 0; i < cuts.size(); ++i) {
@@ -89,10 +90,18 @@ TEST(RigidInvariance, MeshAndFlatBladeTurnedTogetherGiveTheSameMeshLoopByLoop) {
   }
 }
 
+TEST(RigidInvariance, MeshAndFlatBladeTurnedTogetherGiveTheSameMeshLoopByLoop) {
+  expectSameMeshTurned(kAtOnce);
+}
+
+TEST(RigidInvariance, MeshAndStrokeTurnedTogetherGiveTheSameMeshLoopByLoop) {
+  expectSameMeshTurned(kStrokes);
+}
+
 /// Cuts a body and its image by the same cuts and expects as many of everything, and pieces of the same
-/// volumes.
+/// volumes but for a difference [m^3].
 void expectSameCounts(const PolyhedralMesh& body, const std::vector<CutOperation>& cuts,
-                      const Placement& placement) {
+                      const Placement& placement, double largest_difference) {
   PolyhedralMesh here = body, there = placement(body);
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const CutResult result_here = cut(here, cuts[i], static_cast<int>(i) + 1);
@@ -104,17 +113,22 @@ void expectSameCounts(const PolyhedralMesh& body, const std::vector<CutOperation
     const std::vector<double> volumes_here = pieceVolumes(here), volumes_there = pieceVolumes(there);
     ASSERT_EQ(volumes_here.size(), volumes_there.size()) << "cut " << i;
     for (std::size_t p = 0; p < volumes_here.size(); ++p)
-      EXPECT_NEAR(volumes_here[p], volumes_there[p], 1e-12) << "cut " << i;
+      EXPECT_NEAR(volumes_here[p], volumes_there[p], largest_difference) << "cut " << i;
   }
 }
 
-TEST(RigidInvariance, MirroredMeshAndFlatBladeGiveAsManyOfEverything) {
-  for (const PolyhedralMesh& body : bodies()) {
-    for (unsigned seed = 1; seed <= 12; ++seed) {
-      SCOPED_TRACE(seed);
-      TortureRandom random(seed);
-      const std::vector<CutOperation> cuts = someCuts(body, kAtOnce, random);
-      expectSameCounts(body, cuts, somePlacement(random, true));
+TEST(RigidInvariance, MirroredMeshAndBladeGiveAsManyOfEverything) {
+  // A bent cap of a cell that is nearly flat may be divided into facets in several ways that are as good as
+  // each other, of which one is found first when the loop runs the other way round.
+  for (const auto& [kinds, largest_difference] :
+       {std::make_pair(kAtOnce, 1e-12), std::make_pair(kStrokes, 1e-4)}) {
+    for (const PolyhedralMesh& body : bodies()) {
+      for (unsigned seed = 1; seed <= 12; ++seed) {
+        SCOPED_TRACE(kinds.front() + ", seed " + std::to_string(seed));
+        TortureRandom random(seed);
+        const std::vector<CutOperation> cuts = someCuts(body, kinds, random);
+        expectSameCounts(body, cuts, somePlacement(random, true), largest_difference);
+      }
     }
   }
 }

@@ -52,14 +52,4 @@ std::optional<std::vector<Hit>> findHits(const PolyhedralMesh& mesh, const CellT
 Eigen::AlignedBox3d reachOf(const Eigen::Matrix3Xd& edge_tool, const Eigen::Isometry3d& T_world_tool_start,
                             const Eigen::Isometry3d& T_world_tool_end);
 
-/// Whether the blade's edge, in its pose, comes nearer to a cell's bounding box than margin * (smallest
-/// localSize of its vertices).
-bool isBladeAt(const PolyhedralMesh& mesh, CellId cell, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
-               const Eigen::Ref<const Eigen::Matrix3Xd>& blade_world, double margin);
-
-/// Whether isBladeAt holds for any cell.
-bool isBladeInTissue(const PolyhedralMesh& mesh, const CellTree& tree,
-                     const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
-                     const Eigen::Ref<const Eigen::Matrix3Xd>& blade_world, double margin);
-
 }  // namespace polyscalpel

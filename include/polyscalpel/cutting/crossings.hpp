@@ -71,7 +71,8 @@ class Crossings {
   /// not known.
   int sideOfNeighbour(VertexId snapped, VertexId neighbour) const;
 
-  /// Moves the crossings at a vertex into the vertex. side: that on which it lies, +1 or -1.
+  /// Moves the crossings at a vertex into the vertex. side: that on which it lies, +1 or -1, or 0 where that
+  /// is not known.
   void snap(const PolyhedralMesh& mesh, VertexId vertex, int side);
 
   /// Snaps a vertex that another cut has made, where an edge of it is crossed within the snap distance.
@@ -96,8 +97,8 @@ class Crossings {
   void recordDividedCells(const MeshChange& change);
 
   /// Side of the blade's surface on which a cell lies, seen from a face of it whose corners are all snapped:
-  /// +1 or -1. A cell with every vertex snapped lies where most ends of its edges were before they were
-  /// snapped.
+  /// +1, -1, or 0 where nothing tells. A cell with every vertex snapped lies where most ends of its edges
+  /// were before they were snapped.
   int sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face) const;
 
   /// Whether all corners of the face are snapped.

@@ -20,9 +20,8 @@ struct CuttingConfig {
   /// tau in [1e-6, 0.2]: a blade that passes a vertex nearer than tau h, where it crosses an edge of the
   /// vertex, goes through the vertex.
   double snap_tolerance = 0.05;
-  double hold_back =
-      0.5;  ///< in [0, 2]: a cell splits once the blade has left its bounding box by this times h
-  double max_travel = 0.25;           ///< in [1e-3, 1]: the blade's travel in one sub-step, times h
+  double hold_back = 0.5;    ///< in [0, 2]: a cell splits once the blade is further from it than this times h
+  double max_travel = 0.25;  ///< in [1e-3, 1]: the blade's travel in one sub-step, times h
   double close_front_after_s = 0.05;  ///< in [0, 1e6] [s]: a blade within the tissue that has not moved for
                                       ///< so long has the slit reach it
   /// In [0, inf): a cut's pieces of a smaller rest volume are taken away, but never the largest piece of the
@@ -108,12 +107,13 @@ CutResult cutMesh(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>
 /// One blade moving through moving tissue: remembers crossed edges and splits each cell once the blade has
 /// left it.
 ///
-/// A crossed edge is pending until it is split, with a cell around it: once the blade has left that cell's
-/// bounding box by hold_back, where the blade comes to rest (closeFront()), or as the stroke ends. What is
+/// A crossed edge is pending until it is split, with a cell around it: once the blade is further from that
+/// cell than hold_back, where the blade comes to rest (closeFront()), or as the stroke ends. What is
 /// still pending then is released, its tissue whole: the blade has not passed those cells from side to side.
-/// A stroke ends when the blade is out of the tissue, further than hold_back from every cell's box, when it
+/// A stroke ends when the blade is out of the tissue, further than hold_back from every cell, when it
 /// is taken away (finish(), forget()), or when its motion is refused. If another cut divides a pending edge,
 /// the crossing stays with the part in which it lies; if that edge goes with its cells, so does the crossing.
+/// A stroke that starts at the end of a slit goes on from there.
 class BladeCut {
  public:
   /// edge_tool: 3 x k, k >= 2 [m], the cutting edge as a polyline in the tool's frame. Throws

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/cutting/blade_distance.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "polyscalpel/cutting/crack_front.hpp"
+#include "polyscalpel/geometry/triangle.hpp"
+#include "polyscalpel/mesh/surface.hpp"
+
+namespace polyscalpel {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+using Positions = Eigen::Ref<const Matrix3Xd>;
+
+/// A segment that is within a cell for less than this, in localSize, only touches it: a blade's corner lies
+/// in the plane that has just divided the cell for the segment before it.
+constexpr double kSmallestChord = 1e-6;
+
+/// Whether the segment p-q meets the box (slab test of A. Williams et al., "An Efficient and Robust Ray-Box
+/// Intersection Algorithm", 2005, with division only by components that are not 0).
+bool meets(const AlignedBox3d& box, const Vector3d& p, const Vector3d& q) {
+  double enter = 0, leave = 1;
+  for (int i = 0; i < 3; ++i) {
+    const double way = q[i] - p[i];
+    if (way == 0) {
+      if (p[i] < box.min()[i] || p[i] > box.max()[i]) return false;
+      continue;
+    }
+    double first = (box.min()[i] - p[i]) / way, second = (box.max()[i] - p[i]) / way;
+    if (first > second) std::swap(first, second);
+    enter = std::max(enter, first);
+    leave = std::min(leave, second);
+  }
+  return enter <= leave;
+}
+
+bool isWithin(double distance, const Vector3d& point, const Vector3d& p, const Vector3d& q) {
+  const Vector3d way = q - p;
+  const double length = way.squaredNorm();
+  const double s = length > 0 ? std::clamp(way.dot(point - p) / length, 0.0, 1.0) : 0;
+  return (p + s * way - point).squaredNorm() <= distance * distance;
+}
+
+bool isSegmentAt(const PolyhedralMesh& mesh, CellId id, const Positions& positions, const Vector3d& p,
+                 const Vector3d& q, double distance) {
+  // The vertices first: most cells that are near have one that is, and need no more.
+  for (const VertexId v : mesh.cell(id).vertices) {
+    if (isWithin(distance, positions.col(v.index()), p, q)) return true;
+  }
+  if (meetsCell(mesh, id, positions, p, q)) return true;
+  for (const FaceId face_id : mesh.cell(id).faces) {
+    const Face& face = mesh.face(face_id);
+    for (int i = 0; i < numTriangles(face); ++i) {
+      if (closestPointsOfSegmentAndTriangle(p, q, triangleCorners(face, i, positions)).squared_distance <=
+          distance * distance)
+        return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+bool meetsCell(const PolyhedralMesh& mesh, CellId id, const Positions& positions, const Vector3d& p,
+               const Vector3d& q) {
+  double enter = 0, leave = 1;
+  for (const FaceId face_id : mesh.cell(id).faces) {
+    const Face& face = mesh.face(face_id);
+    const auto [origin, area] = planeOf(face, positions);
+    const double sense = face.cells[0] == id ? 1 : -1;
+    const double height = sense * area.dot(p - origin), rise = sense * area.dot(q - p);
+    if (rise == 0) {
+      if (height > 0) return false;
+    } else if (rise > 0) {
+      leave = std::min(leave, -height / rise);
+    } else {
+      enter = std::max(enter, -height / rise);
+    }
+  }
+  return (leave - enter) * (q - p).norm() > kSmallestChord * mesh.localSize(id);
+}
+
+bool isBladeAt(const PolyhedralMesh& mesh, CellId id, const Positions& positions,
+               const Positions& blade_world, double margin) {
+  const double distance = margin * mesh.localSize(id);
+  AlignedBox3d box;
+  for (const VertexId v : mesh.cell(id).vertices) box.extend(positions.col(v.index()));
+  const Vector3d reach = Vector3d::Constant(distance);
+  box = {box.min() - reach, box.max() + reach};
+  for (Eigen::Index i = 0; i + 1 < blade_world.cols(); ++i) {
+    const Vector3d p = blade_world.col(i), q = blade_world.col(i + 1);
+    if (meets(box, p, q) && isSegmentAt(mesh, id, positions, p, q, distance)) return true;
+  }
+  return false;
+}
+
+std::unordered_set<CellId> cellsAtBlade(const PolyhedralMesh& mesh, const CellTree& tree,
+                                        const Positions& positions, const Positions& blade_world,
+                                        double margin) {
+  std::unordered_set<CellId> cells;
+  tree.visit(
+      mesh,
+      [&](const CellTree::Bound& bound) {
+        return meets(bound.box, blade_world, margin * bound.largest_size);
+      },
+      [&](CellId id) {
+        if (isBladeAt(mesh, id, positions, blade_world, margin)) cells.insert(id);
+        return true;
+      });
+  return cells;
+}
+
+std::vector<VertexId> frontAtBlade(const PolyhedralMesh& mesh, const CellTree& tree,
+                                   const Positions& positions, const Positions& blade_world,
+                                   double tolerance) {
+  std::vector<VertexId> vertices;
+  const auto isAtBlade = [&](VertexId v) {
+    for (Eigen::Index i = 0; i + 1 < blade_world.cols(); ++i) {
+      if (isWithin(tolerance * mesh.localSize(v), positions.col(v.index()), blade_world.col(i),
+                   blade_world.col(i + 1)))
+        return true;
+    }
+    return false;
+  };
+  tree.visit(
+      mesh,
+      [&](const CellTree::Bound& bound) {
+        return meets(bound.box, blade_world, tolerance * bound.largest_size);
+      },
+      [&](CellId id) {
+        for (const VertexId v : mesh.cell(id).vertices) {
+          if (isAtBlade(v) && isOnCrackFront(mesh, v)) vertices.push_back(v);
+        }
+        return true;
+      });
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+bool meets(AlignedBox3d box, const Positions& blade, double distance) {
+  box.min().array() -= distance;
+  box.max().array() += distance;
+  for (Eigen::Index i = 0; i + 1 < blade.cols(); ++i) {
+    if (meets(box, blade.col(i), blade.col(i + 1))) return true;
+  }
+  return false;
+}
+
+}  // namespace polyscalpel
