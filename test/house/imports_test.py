@@ -93,7 +93,7 @@ def top_faults(root):
     if listing:
         entries = {line.split("/")[0] for line in listing.splitlines()}
     else:  # an unpacked archive, or a machine without git
-        entries = {entry for entry in os.listdir(root) if entry != ".git" and not entry.startswith("build")}
+        entries = {entry for entry in os.listdir(root) if entry not in (".git", "devel") and not entry.startswith("build")}
     faults = [f"{entry}: does not belong at the top" for entry in sorted(entries - TOP)]
     return faults + [f"{entry}: is missing at the top" for entry in sorted(TOP - entries)]
 

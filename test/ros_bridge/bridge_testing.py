@@ -58,22 +58,22 @@ def wait_until(condition, what):
 
 
 class Listener:
-    """Keeps everything that the node publishes, in order."""
+    """Keeps everything that the node publishes, in order; `namespace` is the node's, with a / at its end."""
 
-    def __init__(self, tools=()):
+    def __init__(self, tools=(), namespace=''):
         self.lock = threading.Lock()
         self.mesh, self.status, self.cuts, self.contacts, self.diagnostics = [], [], [], [], []
         self.wrenches = {tool: [] for tool in tools}
         self.subscribers = [
-            rospy.Subscriber('mesh', MarkerArray, self.mesh.append, queue_size=None),
-            rospy.Subscriber('status', StepStatus, self.status.append, queue_size=None),
-            rospy.Subscriber('cut_events', CutEvent, self.cuts.append, queue_size=None),
-            rospy.Subscriber('contacts', ContactForces, self.contacts.append, queue_size=None),
+            rospy.Subscriber(namespace + 'mesh', MarkerArray, self.mesh.append, queue_size=None),
+            rospy.Subscriber(namespace + 'status', StepStatus, self.status.append, queue_size=None),
+            rospy.Subscriber(namespace + 'cut_events', CutEvent, self.cuts.append, queue_size=None),
+            rospy.Subscriber(namespace + 'contacts', ContactForces, self.contacts.append, queue_size=None),
             rospy.Subscriber('/diagnostics', DiagnosticArray, self.diagnostics.append, queue_size=None),
         ]
         for tool, messages in self.wrenches.items():
             self.subscribers.append(
-                rospy.Subscriber(tool + '/body/measured_cf', WrenchStamped, messages.append, queue_size=None))
+                rospy.Subscriber(namespace + tool + '/body/measured_cf', WrenchStamped, messages.append, queue_size=None))
         wait_until(lambda: all(s.get_num_connections() > 0 for s in self.subscribers), 'the topics of the node')
         wait_until(lambda: self.mesh and self.status, 'the latched mesh and status')
 
@@ -87,10 +87,10 @@ class Listener:
 
 
 class Services:
-    def __init__(self):
+    def __init__(self, namespace=''):
         for name, kind in (('reset', Trigger), ('cut', Cut), ('set_paused', SetBool), ('step', Step)):
-            rospy.wait_for_service(name, PATIENCE_S)
-            setattr(self, name, rospy.ServiceProxy(name, kind))
+            rospy.wait_for_service(namespace + name, PATIENCE_S)
+            setattr(self, name, rospy.ServiceProxy(namespace + name, kind))
 
 
 def pose(stamp_s, position, quaternion=(0, 0, 0, 1), frame='world'):
