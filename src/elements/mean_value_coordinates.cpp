@@ -121,7 +121,12 @@ MeanValueCoordinates<Scalar>& MeanValueCoordinates<Scalar>::operator=(MeanValueC
 
 template <class Scalar>
 void MeanValueCoordinates<Scalar>::setSurface(const CellSurface& surface) {
-  origin_ = starCentre(surface);
+  setSurface(surface, starCentre(surface));
+}
+
+template <class Scalar>
+void MeanValueCoordinates<Scalar>::setSurface(const CellSurface& surface, const Eigen::Vector3d& star_centre) {
+  origin_ = star_centre;
   num_vertices_ = surface.num_vertices;
   num_points_ = 0;
   kernel_->setSurface(surface, origin_);
