@@ -102,7 +102,7 @@ bool CellSplit::splitFaces() {
 /// Whether a face that has no vertex beyond the cut still reaches beyond the chord from its entry `end` to
 /// its entry `start`: all further vertices are snapped, and not in line. The part beyond the chord then
 /// lies in the cut, and belongs to the other part of the cell; kept in this part, it would lie on the cap.
-bool CellSplit::hasFlap(const std::vector<VertexId>& loop, std::size_t start, std::size_t end) const {
+bool CellSplit::hasFlap(const FaceLoop& loop, std::size_t start, std::size_t end) const {
   const std::size_t n = loop.size();
   if (!isOnCut(loop[end % n]) || end % n == start) return false;
   const Eigen::Vector3d from = mesh().restPosition(loop[end % n]), to = mesh().restPosition(loop[start]);

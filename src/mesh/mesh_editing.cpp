@@ -99,11 +99,11 @@ MeshEditor::~MeshEditor() {
 // Faces and cells are taken apart by structured bindings, so that a member which is added to one of them and
 // is not saved does not compile.
 
-template <class T>
-void MeshEditor::save(const std::vector<T>& values) {
+template <class Values>
+void MeshEditor::save(const Values& values) {
   saved_.push_back(static_cast<int>(values.size()));
-  for (const T& value : values) {
-    if constexpr (std::is_same_v<T, char>) {
+  for (const auto& value : values) {
+    if constexpr (std::is_same_v<typename Values::value_type, char>) {
       saved_.push_back(value);
     } else {
       saved_.push_back(value.index());
@@ -111,11 +111,11 @@ void MeshEditor::save(const std::vector<T>& values) {
   }
 }
 
-template <class T>
-const int* MeshEditor::restore(const int* saved, std::vector<T>& values) {
+template <class Values>
+const int* MeshEditor::restore(const int* saved, Values& values) {
   const int count = *saved++;
   values.clear();
-  for (int i = 0; i < count; ++i) values.push_back(static_cast<T>(saved[i]));
+  for (int i = 0; i < count; ++i) values.push_back(static_cast<typename Values::value_type>(saved[i]));
   return saved + count;
 }
 
@@ -313,7 +313,7 @@ MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceI
   split.second = addCell(cell, second_faces);
   for (const auto& loop : cap_facets) {
     Face facet;
-    facet.loop = loop;
+    facet.loop.assign(loop.begin(), loop.end());
     facet.is_corner.assign(loop.size(), char(1));
     facet.cells = {split.first, split.second};
     facet.cut = cut;

@@ -77,10 +77,10 @@ class MeshEditor {
   };
 
   void note(Undo::Kind kind, int id) { journal_.push_back({kind, id, saved_.size()}); }
-  template <class T>
-  void save(const std::vector<T>& values);
-  template <class T>
-  const int* restore(const int* saved, std::vector<T>& values);
+  template <class Values>
+  void save(const Values& values);
+  template <class Values>
+  const int* restore(const int* saved, Values& values);
   Face& touchFace(FaceId id);
   Cell& touchCell(CellId id);
   std::vector<FaceId>& touchVertexFaces(VertexId id);
