@@ -58,9 +58,9 @@ bool CellSplit::splitCrossedEdges() {
     // A vertex on an edge that is shut between two walls of a slit would join what nothing else joins.
     if (numFansAroundEdge(mesh(), edge.first, edge.second) > 1) return false;
     side_votes_ += first_in ? -crossed->sign : crossed->sign;
-    for (const CellId around : cellsAroundEdge(mesh(), edge.first, edge.second)) touched_.insert(around);
     const double weight = std::clamp(crossed->weight, kSmallestEdgePart, 1 - kSmallestEdgePart);
     const VertexId middle = editor_.splitEdge(edge.first, edge.second, weight);
+    for (const CellId around : cellsAround(mesh(), middle)) touched_.insert(around);
     middles_.insert(middle);
     split_edges_.emplace_back(edge, middle);
   }
