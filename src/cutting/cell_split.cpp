@@ -2,7 +2,6 @@
 #include "polyscalpel/cutting/cell_split.hpp"
 
 #include <algorithm>
-#include <set>
 
 #include <boost/container/flat_map.hpp>
 
@@ -160,12 +159,14 @@ bool CellSplit::findCap() {
 
 /// Mean of the vertices that one part will have.
 Eigen::Vector3d CellSplit::vertexMeanOfPart(bool is_first) const {
-  std::set<VertexId> vertices;
+  boost::container::small_vector<VertexId, 32> vertices;
   for (const FaceId id : mesh().cell(cell_).faces) {
     const bool is_in_first = std::find(first_faces_.begin(), first_faces_.end(), id) != first_faces_.end();
     if (is_in_first != is_first) continue;
-    vertices.insert(mesh().face(id).loop.begin(), mesh().face(id).loop.end());
+    vertices.insert(vertices.end(), mesh().face(id).loop.begin(), mesh().face(id).loop.end());
   }
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const VertexId v : vertices) sum += mesh().restPosition(v);
   return sum / static_cast<double>(vertices.size());

@@ -482,32 +482,33 @@ void MeshEditor::removeCells(const std::vector<CellId>& cells) {
 
 MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
   MeshChange change;
+  const auto countOf = [&](Undo::Kind kind) {
+    return static_cast<int>(std::count_if(journal_.begin() + savepoint, journal_.end(),
+                                          [&](const Undo& undo) { return undo.kind == kind; }));
+  };
+  // Ids from these on have been given since: no list of them needs to be sorted.
+  const int first_new_cell = mesh_.cellCapacity() - countOf(Undo::Kind::kNewCell);
+  const int first_new_face = mesh_.faceCapacity() - countOf(Undo::Kind::kNewFace);
   std::vector<CellId> cells;
-  std::size_t num_new_vertices = 0;
-  int first_new_cell = mesh_.cellCapacity();
   for (std::size_t i = savepoint; i < journal_.size(); ++i) {
     const Undo& undo = journal_[i];
     switch (undo.kind) {
-      case Undo::Kind::kNewCell:
-        first_new_cell = std::min(first_new_cell, undo.id);
-        [[fallthrough]];
       case Undo::Kind::kOldCell:
       case Undo::Kind::kFaceOfCellAdded:
       case Undo::Kind::kFaceOfCellErased:
       case Undo::Kind::kVertexOfCellAdded:
-        cells.emplace_back(undo.id);
+        if (undo.id < first_new_cell) cells.emplace_back(undo.id);
         break;
-      case Undo::Kind::kNewFace:
       case Undo::Kind::kOldFace:
       case Undo::Kind::kOldFaceCells:
-        change.changed_faces.emplace_back(undo.id);
-        break;
-      case Undo::Kind::kNewVertex:
-        ++num_new_vertices;
+        if (undo.id < first_new_face) change.changed_faces.emplace_back(undo.id);
         break;
       case Undo::Kind::kRetiredVertex:
         change.retired_vertices.emplace_back(undo.id);
         break;
+      case Undo::Kind::kNewCell:
+      case Undo::Kind::kNewFace:
+      case Undo::Kind::kNewVertex:
       case Undo::Kind::kOldVertexFaces:
       case Undo::Kind::kFaceOfVertexAdded:
       case Undo::Kind::kFaceOfVertexErased:
@@ -515,18 +516,18 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
     }
   }
   sortUnique(change.retired_vertices);
-  change.new_vertices.assign(new_vertices_.end() - num_new_vertices, new_vertices_.end());
+  change.new_vertices.assign(new_vertices_.end() - countOf(Undo::Kind::kNewVertex), new_vertices_.end());
   sortUnique(change.changed_faces);
+  for (int face = first_new_face; face < mesh_.faceCapacity(); ++face)
+    change.changed_faces.emplace_back(face);
   sortUnique(cells);
-  for (const CellId id : cells) {
-    const bool is_alive = mesh_.cell(id).isAlive();
-    if (id.index() < first_new_cell) {
-      (is_alive ? change.changed_cells : change.removed_cells).push_back(id);
-    } else if (is_alive) {
-      CellId parent = id;
-      while (parent.index() >= first_new_cell) parent = parents_[parent.index() - first_new_cell_];
-      change.new_cells.push_back({id, parent});
-    }
+  for (const CellId id : cells)
+    (mesh_.cell(id).isAlive() ? change.changed_cells : change.removed_cells).push_back(id);
+  for (int cell = first_new_cell; cell < mesh_.cellCapacity(); ++cell) {
+    if (!mesh_.cell(CellId(cell)).isAlive()) continue;
+    CellId parent(cell);
+    while (parent.index() >= first_new_cell) parent = parents_[parent.index() - first_new_cell_];
+    change.new_cells.push_back({CellId(cell), parent});
   }
   return change;
 }

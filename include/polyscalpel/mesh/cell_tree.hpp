@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -94,7 +95,7 @@ class CellTree {
   }
 
   std::vector<Node> nodes_;  ///< children behind their parents; the root first
-  std::vector<Leaf> leaves_;
+  std::deque<Leaf> leaves_;  ///< a leaf more moves no other, and they are large
   std::vector<int> leaf_of_cell_;           ///< by cell id, -1 for none
   std::vector<Eigen::Vector3d> positions_;  ///< for which the boxes hold without margin [m]
   double margin_ = 0;                       ///< [m]
