@@ -57,7 +57,7 @@ void MeanValueCoordinates<Scalar>::Kernel::setSurface(const CellSurface& surface
   }
   first_parent.clear();
   parents.clear();
-  for (const std::vector<int>& of_one : surface.parents) {
+  for (const auto& of_one : surface.parents) {
     first_parent.push_back(static_cast<int>(parents.size()));
     parents.insert(parents.end(), of_one.begin(), of_one.end());
   }
@@ -125,7 +125,8 @@ void MeanValueCoordinates<Scalar>::setSurface(const CellSurface& surface) {
 }
 
 template <class Scalar>
-void MeanValueCoordinates<Scalar>::setSurface(const CellSurface& surface, const Eigen::Vector3d& star_centre) {
+void MeanValueCoordinates<Scalar>::setSurface(const CellSurface& surface,
+                                              const Eigen::Vector3d& star_centre) {
   origin_ = star_centre;
   num_vertices_ = surface.num_vertices;
   num_points_ = 0;
