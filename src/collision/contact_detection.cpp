@@ -17,10 +17,10 @@
 namespace polyscalpel {
 namespace {
 
-constexpr int kPatchTriangles =
-    256;  // patches are halved until they have no more, so most have half to all of it
+constexpr int kPatchTriangles = 64;  // patches are halved until they have no more, so most have half to all
+                                     // of it; a cut rebuilds whole ones
 constexpr int kNone = -1, kWaiting = -2;     // instead of a patch's number
-constexpr int kLargestPatchTriangles = 400;  // a patch that a cut has grown beyond is halved anew
+constexpr int kLargestPatchTriangles = 100;  // a patch that a cut has grown beyond is halved anew
 
 using Positions = Eigen::Ref<const Eigen::Matrix3Xd>;
 using Tree = fcl::BVHModel<fcl::AABBd>;
