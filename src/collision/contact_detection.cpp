@@ -17,10 +17,10 @@
 namespace polyscalpel {
 namespace {
 
-constexpr int kPatchTriangles =
-    256;  // patches are halved until they have no more, so most have half to all of it
+constexpr int kPatchTriangles = 64;  // patches are halved until they have no more, so most have half to all
+                                     // of it; a cut rebuilds whole ones
 constexpr int kNone = -1, kWaiting = -2;     // instead of a patch's number
-constexpr int kLargestPatchTriangles = 400;  // a patch that a cut has grown beyond is halved anew
+constexpr int kLargestPatchTriangles = 100;  // a patch that a cut has grown beyond is halved anew
 
 using Positions = Eigen::Ref<const Eigen::Matrix3Xd>;
 using Tree = fcl::BVHModel<fcl::AABBd>;
@@ -46,9 +46,18 @@ std::vector<fcl::Vector3d> cornersOf(const PolyhedralMesh& mesh, const Positions
                                      const Patch& patch) {
   std::vector<fcl::Vector3d> corners;
   corners.reserve(3 * patch.triangles.size());
-  for (const SurfaceTriangle& triangle : patch.triangles) {
-    const Eigen::Matrix3d c = triangleCorners(mesh.face(triangle.face), triangle.triangle, positions);
-    for (int k = 0; k < 3; ++k) corners.push_back(c.col(k));
+  for (const FaceId id : patch.faces) {
+    // As triangleCorners(), with the virtual vertex of a fan computed once for all its triangles.
+    const Face& face = mesh.face(id);
+    const auto& loop = face.loop;
+    const bool is_fan = numTriangles(face) > 1;
+    const fcl::Vector3d first = is_fan ? virtualVertex(face, positions) : positions.col(loop[0].index());
+    for (int i = 0; i < numTriangles(face); ++i) {
+      const std::size_t second = is_fan ? i : 1;
+      corners.push_back(first);
+      corners.push_back(positions.col(loop[second].index()));
+      corners.push_back(positions.col(loop[(second + 1) % loop.size()].index()));
+    }
   }
   return corners;
 }

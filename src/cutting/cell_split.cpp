@@ -2,7 +2,6 @@
 #include "polyscalpel/cutting/cell_split.hpp"
 
 #include <algorithm>
-#include <set>
 
 #include <boost/container/flat_map.hpp>
 
@@ -58,9 +57,9 @@ bool CellSplit::splitCrossedEdges() {
     // A vertex on an edge that is shut between two walls of a slit would join what nothing else joins.
     if (numFansAroundEdge(mesh(), edge.first, edge.second) > 1) return false;
     side_votes_ += first_in ? -crossed->sign : crossed->sign;
-    for (const CellId around : cellsAroundEdge(mesh(), edge.first, edge.second)) touched_.insert(around);
     const double weight = std::clamp(crossed->weight, kSmallestEdgePart, 1 - kSmallestEdgePart);
     const VertexId middle = editor_.splitEdge(edge.first, edge.second, weight);
+    for (const CellId around : cellsAround(mesh(), middle)) touched_.insert(around);
     middles_.insert(middle);
     split_edges_.emplace_back(edge, middle);
   }
@@ -102,7 +101,7 @@ bool CellSplit::splitFaces() {
 /// Whether a face that has no vertex beyond the cut still reaches beyond the chord from its entry `end` to
 /// its entry `start`: all further vertices are snapped, and not in line. The part beyond the chord then
 /// lies in the cut, and belongs to the other part of the cell; kept in this part, it would lie on the cap.
-bool CellSplit::hasFlap(const std::vector<VertexId>& loop, std::size_t start, std::size_t end) const {
+bool CellSplit::hasFlap(const FaceLoop& loop, std::size_t start, std::size_t end) const {
   const std::size_t n = loop.size();
   if (!isOnCut(loop[end % n]) || end % n == start) return false;
   const Eigen::Vector3d from = mesh().restPosition(loop[end % n]), to = mesh().restPosition(loop[start]);
@@ -160,12 +159,14 @@ bool CellSplit::findCap() {
 
 /// Mean of the vertices that one part will have.
 Eigen::Vector3d CellSplit::vertexMeanOfPart(bool is_first) const {
-  std::set<VertexId> vertices;
+  boost::container::small_vector<VertexId, 32> vertices;
   for (const FaceId id : mesh().cell(cell_).faces) {
     const bool is_in_first = std::find(first_faces_.begin(), first_faces_.end(), id) != first_faces_.end();
     if (is_in_first != is_first) continue;
-    vertices.insert(mesh().face(id).loop.begin(), mesh().face(id).loop.end());
+    vertices.insert(vertices.end(), mesh().face(id).loop.begin(), mesh().face(id).loop.end());
   }
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const VertexId v : vertices) sum += mesh().restPosition(v);
   return sum / static_cast<double>(vertices.size());

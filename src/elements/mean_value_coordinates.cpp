@@ -57,7 +57,7 @@ void MeanValueCoordinates<Scalar>::Kernel::setSurface(const CellSurface& surface
   }
   first_parent.clear();
   parents.clear();
-  for (const std::vector<int>& of_one : surface.parents) {
+  for (const auto& of_one : surface.parents) {
     first_parent.push_back(static_cast<int>(parents.size()));
     parents.insert(parents.end(), of_one.begin(), of_one.end());
   }
@@ -121,7 +121,13 @@ MeanValueCoordinates<Scalar>& MeanValueCoordinates<Scalar>::operator=(MeanValueC
 
 template <class Scalar>
 void MeanValueCoordinates<Scalar>::setSurface(const CellSurface& surface) {
-  origin_ = starCentre(surface);
+  setSurface(surface, starCentre(surface));
+}
+
+template <class Scalar>
+void MeanValueCoordinates<Scalar>::setSurface(const CellSurface& surface,
+                                              const Eigen::Vector3d& star_centre) {
+  origin_ = star_centre;
   num_vertices_ = surface.num_vertices;
   num_points_ = 0;
   kernel_->setSurface(surface, origin_);

@@ -9,43 +9,23 @@
 namespace polyscalpel {
 namespace {
 
-/// sum_q w_q (G_q - Gq) (G_q - Gq)^T, lower triangle.
+/// The columns sqrt(w_q) (G_q - Gq), without what rounding has left of linear fields in them. Those have no
+/// fluctuation, but flat cells, where gradients lose digits, give them a large one. What the position field
+/// would feel, G X^T, is zero; it is taken out by means of Gm, whose own is exactly the identity: G - (G X^T)
+/// Gm. points: 3 x n, of the cell's vertices.
 Eigen::MatrixXd gradientFluctuation(const Eigen::Ref<const Eigen::MatrixXd>& gradients,
-                                    const Eigen::VectorXd& weights) {
+                                    const Eigen::VectorXd& weights,
+                                    const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                    const Eigen::Matrix3Xd& mean_gradient) {
   const Eigen::VectorXd mean = gradients * weights / weights.sum();
-  const Eigen::VectorXd roots = weights.cwiseSqrt();
   Eigen::MatrixXd fluctuation(gradients.rows(), gradients.cols());
   for (Eigen::Index q = 0; q < gradients.cols(); ++q) {
-    fluctuation.col(q) = roots[q] * (gradients.col(q) - mean);
+    fluctuation.col(q) = std::sqrt(weights[q]) * (gradients.col(q) - mean);
+    Eigen::Map<Eigen::Matrix3Xd> of_vertices(fluctuation.col(q).data(), 3, points.cols());
+    const Eigen::Matrix3d of_position = of_vertices.lazyProduct(points.transpose());
+    of_vertices.noalias() -= of_position.lazyProduct(mean_gradient);
   }
-  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(gradients.rows(), gradients.rows());
-  H.selfadjointView<Eigen::Lower>().rankUpdate(fluctuation);
-  return H;
-}
-
-/// Linear fields have no fluctuation. Rounding leaves one, large in flat cells, where gradients lose digits:
-/// take the gradient of the position field, which should be zero, out by means of Gm, whose own is exactly
-/// the identity. G - (G X^T) Gm = G Q, Q = I - X^T Gm, so H turns into Q^T H Q, by vertices.
-void removeLinearFields(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
-                        const Eigen::Matrix3Xd& mean_gradient, Eigen::MatrixXd& H) {
-  const Eigen::Index n = mean_gradient.cols();
-  Eigen::MatrixXd Q = -points.transpose() * mean_gradient;
-  Q.diagonal().array() += 1;
-  H.triangularView<Eigen::StrictlyUpper>() = H.transpose();
-  // A Q, for each of a vertex's three columns.
-  const auto timesQ = [&](const Eigen::MatrixXd& A) {
-    using Columns = Eigen::OuterStride<>;
-    Eigen::MatrixXd product(3 * n, 3 * n);
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Map<const Eigen::MatrixXd, 0, Columns> of_A(A.data() + 3 * n * k, 3 * n, n,
-                                                               Columns(9 * n));
-      Eigen::Map<Eigen::MatrixXd, 0, Columns> of_product(product.data() + 3 * n * k, 3 * n, n,
-                                                         Columns(9 * n));
-      of_product.noalias() = of_A.lazyProduct(Q);
-    }
-    return product;
-  };
-  H = timesQ(timesQ(H).transpose());
+  return fluctuation;
 }
 
 class MeanValueElement final : public ElementFormulation {
@@ -54,18 +34,21 @@ class MeanValueElement final : public ElementFormulation {
       : config_(config), rule_(tetrahedronRule(config.quadrature_points)) {}
 
   ElementMatrices makeMatrices(const CellSurface& surface, const IsotropicMaterial& material) const override {
-    const Eigen::Matrix3Xd points = surface.points.colwise() - starCentre(surface);
-    const CellQuadrature quadrature = makeCellQuadrature(surface, rule_);
+    const Eigen::Vector3d centre = starCentre(surface);
+    const Eigen::Matrix3Xd points = surface.points.colwise() - centre;
+    const CellQuadrature quadrature = makeCellQuadrature(surface, rule_, centre);
     thread_local MeanValueCoordinates<double> coordinates;
-    coordinates.setSurface(surface);
+    coordinates.setSurface(surface, centre);
     coordinates.evaluate(quadrature.points);
 
     ElementMatrices element;
     setVolumeAndMeanGradient(surface, points, element);
     if (config_.gradient_correction) {
-      Eigen::MatrixXd H = gradientFluctuation(coordinates.gradients(), quadrature.weights);
-      removeLinearFields(points.leftCols(surface.num_vertices), element.mean_gradient, H);
-      H *= config_.stabilisation_scale;
+      const Eigen::MatrixXd fluctuation =
+          gradientFluctuation(coordinates.gradients(), quadrature.weights,
+                              points.leftCols(surface.num_vertices), element.mean_gradient);
+      Eigen::MatrixXd H = Eigen::MatrixXd::Zero(fluctuation.rows(), fluctuation.rows());
+      H.selfadjointView<Eigen::Lower>().rankUpdate(fluctuation, config_.stabilisation_scale);
       element.stabilisation = stiffnessFromGradientProducts(H, stabilisationModuli(material, config_));
     } else {
       setUncorrected(coordinates.gradients(), quadrature.weights, material, element);

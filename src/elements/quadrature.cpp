@@ -88,7 +88,11 @@ const TetrahedronRule& tetrahedronRule(int num_points) {
 }
 
 CellQuadrature makeCellQuadrature(const CellSurface& surface, const TetrahedronRule& rule) {
-  const Eigen::Vector3d apex = starCentre(surface);
+  return makeCellQuadrature(surface, rule, starCentre(surface));
+}
+
+CellQuadrature makeCellQuadrature(const CellSurface& surface, const TetrahedronRule& rule,
+                                  const Eigen::Vector3d& apex) {
   const Eigen::Index num_points = rule.weights.size();
   CellQuadrature quadrature;
   quadrature.points.resize(3, num_points * surface.triangles.size());

@@ -46,7 +46,7 @@ class SubTetMass {
       weights_(point, column) = 1;
       return;
     }
-    const std::vector<int>& parents = surface_.parents[point - surface_.num_vertices];
+    const auto& parents = surface_.parents[point - surface_.num_vertices];
     for (const int parent : parents) weights_(parent, column) = 1.0 / static_cast<double>(parents.size());
   }
 

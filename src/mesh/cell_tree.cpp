@@ -57,12 +57,15 @@ void CellTree::fit(const PolyhedralMesh& mesh, const Positions& positions_start,
 
   const auto measureMargin = [&] {
     double way = 0, largest = 0;
-    for (int i = 0; i < n; ++i) {
-      const Vector3d start = positions_start.col(i), end = positions_end.col(i);
-      way = std::max(
-          {way, (start - positions_[i]).cwiseAbs().maxCoeff(), (end - positions_[i]).cwiseAbs().maxCoeff()});
-      largest = std::max({largest, start.cwiseAbs().maxCoeff(), end.cwiseAbs().maxCoeff()});
-    }
+    const auto follow = [&](const Positions& positions) {
+      for (int i = 0; i < n; ++i) {
+        const Vector3d position = positions.col(i);
+        way = std::max(way, (position - positions_[i]).cwiseAbs().maxCoeff());
+        largest = std::max(largest, position.cwiseAbs().maxCoeff());
+      }
+    };
+    follow(positions_end);
+    if (positions_start.data() != positions_end.data()) follow(positions_start);
     margin_ = (1 + kRounding) * way + kRounding * largest;
   };
   measureMargin();

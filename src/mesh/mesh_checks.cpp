@@ -11,13 +11,13 @@
 namespace polyscalpel {
 namespace {
 
-template <class T>
-bool contains(const std::vector<T>& values, const T& value) {
+template <class Values, class T>
+bool contains(const Values& values, const T& value) {
   return std::find(values.begin(), values.end(), value) != values.end();
 }
 
-template <class T>
-bool hasRepeats(std::vector<T> values) {
+template <class Values>
+bool hasRepeats(Values values) {
   std::sort(values.begin(), values.end());
   return std::adjacent_find(values.begin(), values.end()) != values.end();
 }

@@ -16,10 +16,16 @@ void sortUnique(std::vector<T>& values) {
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
-void eraseValue(std::vector<FaceId>& faces, FaceId id) {
+/// Returns where it was.
+int eraseValue(std::vector<FaceId>& faces, FaceId id) {
   const auto place = std::find(faces.begin(), faces.end(), id);
   POLYSCALPEL_ASSERT(place != faces.end());
-  faces.erase(place);
+  return static_cast<int>(faces.erase(place) - faces.begin());
+}
+
+/// saved: where it was, and which.
+void insertBack(const int* saved, std::vector<FaceId>& faces) {
+  faces.insert(faces.begin() + saved[0], FaceId(saved[1]));
 }
 
 /// Numbers the components of n things joined by pairs.
@@ -39,6 +45,19 @@ class DisjointSets {
  private:
   std::vector<int> parents_;
 };
+
+/// Cells that have one of the faces, ascending.
+std::vector<CellId> cellsOf(const PolyhedralMesh& mesh, const std::vector<FaceId>& faces) {
+  std::vector<CellId> cells;
+  cells.reserve(2 * faces.size());
+  for (const FaceId id : faces) {
+    for (const CellId cell : mesh.face(id).cells) {
+      if (cell.isValid()) cells.push_back(cell);
+    }
+  }
+  sortUnique(cells);
+  return cells;
+}
 
 }  // namespace
 
@@ -68,14 +87,7 @@ std::vector<CellId> cellsAroundEdge(const PolyhedralMesh& mesh, VertexId a, Vert
 }
 
 std::vector<CellId> cellsAround(const PolyhedralMesh& mesh, VertexId vertex) {
-  std::vector<CellId> cells;
-  for (const FaceId id : mesh.facesAround(vertex)) {
-    for (const CellId cell : mesh.face(id).cells) {
-      if (cell.isValid()) cells.push_back(cell);
-    }
-  }
-  sortUnique(cells);
-  return cells;
+  return cellsOf(mesh, mesh.facesAround(vertex));
 }
 
 int numFansAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
@@ -99,11 +111,11 @@ MeshEditor::~MeshEditor() {
 // Faces and cells are taken apart by structured bindings, so that a member which is added to one of them and
 // is not saved does not compile.
 
-template <class T>
-void MeshEditor::save(const std::vector<T>& values) {
+template <class Values>
+void MeshEditor::save(const Values& values) {
   saved_.push_back(static_cast<int>(values.size()));
-  for (const T& value : values) {
-    if constexpr (std::is_same_v<T, char>) {
+  for (const auto& value : values) {
+    if constexpr (std::is_same_v<typename Values::value_type, char>) {
       saved_.push_back(value);
     } else {
       saved_.push_back(value.index());
@@ -111,11 +123,11 @@ void MeshEditor::save(const std::vector<T>& values) {
   }
 }
 
-template <class T>
-const int* MeshEditor::restore(const int* saved, std::vector<T>& values) {
+template <class Values>
+const int* MeshEditor::restore(const int* saved, Values& values) {
   const int count = *saved++;
   values.clear();
-  for (int i = 0; i < count; ++i) values.push_back(static_cast<T>(saved[i]));
+  for (int i = 0; i < count; ++i) values.push_back(static_cast<typename Values::value_type>(saved[i]));
   return saved + count;
 }
 
@@ -132,6 +144,9 @@ void MeshEditor::rollBackTo(std::size_t savepoint) {
         restore(saved, is_corner);
         break;
       }
+      case Undo::Kind::kOldFaceCells:
+        for (CellId& cell : mesh_.faces_[undo.id].cells) cell = CellId(*saved++);
+        break;
       case Undo::Kind::kOldCell: {
         Cell& cell = mesh_.cells_[undo.id];
         auto& [faces, vertices, region] = cell;
@@ -144,6 +159,21 @@ void MeshEditor::rollBackTo(std::size_t savepoint) {
       }
       case Undo::Kind::kOldVertexFaces:
         restore(saved, mesh_.vertex_faces_[undo.id]);
+        break;
+      case Undo::Kind::kFaceOfVertexAdded:
+        mesh_.vertex_faces_[undo.id].pop_back();
+        break;
+      case Undo::Kind::kFaceOfVertexErased:
+        insertBack(saved, mesh_.vertex_faces_[undo.id]);
+        break;
+      case Undo::Kind::kFaceOfCellAdded:
+        mesh_.cells_[undo.id].faces.pop_back();
+        break;
+      case Undo::Kind::kFaceOfCellErased:
+        insertBack(saved, mesh_.cells_[undo.id].faces);
+        break;
+      case Undo::Kind::kVertexOfCellAdded:
+        mesh_.cells_[undo.id].vertices.pop_back();
         break;
       case Undo::Kind::kNewFace:
         mesh_.faces_.pop_back();
@@ -195,9 +225,44 @@ std::vector<FaceId>& MeshEditor::touchVertexFaces(VertexId id) {
   return mesh_.vertex_faces_[id.index()];
 }
 
+void MeshEditor::addFaceTo(VertexId vertex, FaceId face) {
+  note(Undo::Kind::kFaceOfVertexAdded, vertex.index());
+  mesh_.vertex_faces_[vertex.index()].push_back(face);
+}
+
+void MeshEditor::eraseFaceFrom(VertexId vertex, FaceId face) {
+  note(Undo::Kind::kFaceOfVertexErased, vertex.index());
+  saved_.push_back(eraseValue(mesh_.vertex_faces_[vertex.index()], face));
+  saved_.push_back(face.index());
+}
+
+void MeshEditor::addFaceTo(CellId cell, FaceId face) {
+  note(Undo::Kind::kFaceOfCellAdded, cell.index());
+  mesh_.cells_[cell.index()].faces.push_back(face);
+}
+
+void MeshEditor::eraseFaceFrom(CellId cell, FaceId face) {
+  note(Undo::Kind::kFaceOfCellErased, cell.index());
+  saved_.push_back(eraseValue(mesh_.cells_[cell.index()].faces, face));
+  saved_.push_back(face.index());
+}
+
+/// A vertex that is larger than all of the cell's others, so that they stay ascending.
+void MeshEditor::addVertexTo(CellId cell, VertexId vertex) {
+  note(Undo::Kind::kVertexOfCellAdded, cell.index());
+  mesh_.cells_[cell.index()].vertices.push_back(vertex);
+}
+
+void MeshEditor::replaceCell(FaceId id, CellId former, CellId cell) {
+  Face& face = mesh_.faces_[id.index()];
+  note(Undo::Kind::kOldFaceCells, id.index());
+  for (const CellId side : face.cells) saved_.push_back(side.index());
+  face.cells[face.cells[0] == former ? 0 : 1] = cell;
+}
+
 FaceId MeshEditor::addFace(Face face) {
   const FaceId id(mesh_.faces_.size());
-  for (const VertexId vertex : face.loop) touchVertexFaces(vertex).push_back(id);
+  for (const VertexId vertex : face.loop) addFaceTo(vertex, id);
   note(Undo::Kind::kNewFace, id.index());
   mesh_.faces_.push_back(std::move(face));
   return id;
@@ -205,7 +270,7 @@ FaceId MeshEditor::addFace(Face face) {
 
 void MeshEditor::removeFace(FaceId id) {
   Face& face = touchFace(id);
-  for (const VertexId vertex : face.loop) eraseValue(touchVertexFaces(vertex), id);
+  for (const VertexId vertex : face.loop) eraseFaceFrom(vertex, id);
   face = Face{};
 }
 
@@ -253,7 +318,7 @@ VertexId MeshEditor::splitEdge(VertexId a, VertexId b, double weight) {
     if (hasEdge(mesh_.face(id), a, b)) faces.push_back(id);
   }
   POLYSCALPEL_ASSERT(faces.size() >= 2);
-  const std::vector<CellId> cells = cellsAroundEdge(mesh_, a, b);
+  const std::vector<CellId> cells = cellsOf(mesh_, faces);
 
   const VertexId middle = addVertex({VertexId(mesh_.rest_positions_.size()), {a, b}, weight});
   for (const FaceId id : faces) {
@@ -264,11 +329,8 @@ VertexId MeshEditor::splitEdge(VertexId a, VertexId b, double weight) {
     face.loop.insert(face.loop.begin() + place, middle);
     face.is_corner.insert(face.is_corner.begin() + place, char(0));
   }
-  touchVertexFaces(middle) = faces;
-  for (const CellId id : cells) {
-    // Larger than every id before it, so the order stays ascending.
-    touchCell(id).vertices.push_back(middle);
-  }
+  touchVertexFaces(middle) = std::move(faces);
+  for (const CellId id : cells) addVertexTo(id, middle);
   return middle;
 }
 
@@ -292,10 +354,9 @@ std::pair<FaceId, FaceId> MeshEditor::splitFace(FaceId id, VertexId a, VertexId 
   const FaceId first_id = addFace(std::move(first)), second_id = addFace(std::move(second));
   for (const CellId cell_id : old.cells) {
     if (!cell_id.isValid()) continue;
-    Cell& cell = touchCell(cell_id);
-    eraseValue(cell.faces, id);
-    cell.faces.push_back(first_id);
-    cell.faces.push_back(second_id);
+    eraseFaceFrom(cell_id, id);
+    addFaceTo(cell_id, first_id);
+    addFaceTo(cell_id, second_id);
   }
   return {first_id, second_id};
 }
@@ -313,7 +374,7 @@ MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceI
   split.second = addCell(cell, second_faces);
   for (const auto& loop : cap_facets) {
     Face facet;
-    facet.loop = loop;
+    facet.loop.assign(loop.begin(), loop.end());
     facet.is_corner.assign(loop.size(), char(1));
     facet.cells = {split.first, split.second};
     facet.cut = cut;
@@ -323,10 +384,7 @@ MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceI
   for (const auto& [part, faces] :
        {std::make_pair(split.first, &first_faces),
         std::make_pair(split.second, static_cast<const std::vector<FaceId>*>(&second_faces))}) {
-    for (const FaceId id : *faces) {
-      Face& face = touchFace(id);
-      face.cells[face.cells[0] == cell ? 0 : 1] = part;
-    }
+    for (const FaceId id : *faces) replaceCell(id, cell, part);
     auto& part_faces = mesh_.cells_[part.index()].faces;
     part_faces.insert(part_faces.end(), split.cap.begin(), split.cap.end());
     refreshVertices(part);
@@ -347,10 +405,10 @@ std::pair<FaceId, FaceId> MeshEditor::openFace(FaceId id, int cut) {
   removeFace(id);
   const auto add = [&](Face face) {
     face.cut = cut;
-    Cell& cell = touchCell(face.cells[0]);
-    eraseValue(cell.faces, id);
+    const CellId cell = face.cells[0];
+    eraseFaceFrom(cell, id);
     const FaceId added = addFace(std::move(face));
-    cell.faces.push_back(added);
+    addFaceTo(cell, added);
     return added;
   };
   const FaceId front_id = add(std::move(front)), back_id = add(std::move(back));
@@ -424,45 +482,52 @@ void MeshEditor::removeCells(const std::vector<CellId>& cells) {
 
 MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
   MeshChange change;
+  const auto countOf = [&](Undo::Kind kind) {
+    return static_cast<int>(std::count_if(journal_.begin() + savepoint, journal_.end(),
+                                          [&](const Undo& undo) { return undo.kind == kind; }));
+  };
+  // Ids from these on have been given since: no list of them needs to be sorted.
+  const int first_new_cell = mesh_.cellCapacity() - countOf(Undo::Kind::kNewCell);
+  const int first_new_face = mesh_.faceCapacity() - countOf(Undo::Kind::kNewFace);
   std::vector<CellId> cells;
-  std::size_t num_new_vertices = 0;
-  int first_new_cell = mesh_.cellCapacity();
   for (std::size_t i = savepoint; i < journal_.size(); ++i) {
     const Undo& undo = journal_[i];
     switch (undo.kind) {
-      case Undo::Kind::kNewCell:
-        first_new_cell = std::min(first_new_cell, undo.id);
-        [[fallthrough]];
       case Undo::Kind::kOldCell:
-        cells.emplace_back(undo.id);
+      case Undo::Kind::kFaceOfCellAdded:
+      case Undo::Kind::kFaceOfCellErased:
+      case Undo::Kind::kVertexOfCellAdded:
+        if (undo.id < first_new_cell) cells.emplace_back(undo.id);
         break;
-      case Undo::Kind::kNewFace:
       case Undo::Kind::kOldFace:
-        change.changed_faces.emplace_back(undo.id);
-        break;
-      case Undo::Kind::kNewVertex:
-        ++num_new_vertices;
+      case Undo::Kind::kOldFaceCells:
+        if (undo.id < first_new_face) change.changed_faces.emplace_back(undo.id);
         break;
       case Undo::Kind::kRetiredVertex:
         change.retired_vertices.emplace_back(undo.id);
         break;
+      case Undo::Kind::kNewCell:
+      case Undo::Kind::kNewFace:
+      case Undo::Kind::kNewVertex:
       case Undo::Kind::kOldVertexFaces:
+      case Undo::Kind::kFaceOfVertexAdded:
+      case Undo::Kind::kFaceOfVertexErased:
         break;
     }
   }
   sortUnique(change.retired_vertices);
-  change.new_vertices.assign(new_vertices_.end() - num_new_vertices, new_vertices_.end());
+  change.new_vertices.assign(new_vertices_.end() - countOf(Undo::Kind::kNewVertex), new_vertices_.end());
   sortUnique(change.changed_faces);
+  for (int face = first_new_face; face < mesh_.faceCapacity(); ++face)
+    change.changed_faces.emplace_back(face);
   sortUnique(cells);
-  for (const CellId id : cells) {
-    const bool is_alive = mesh_.cell(id).isAlive();
-    if (id.index() < first_new_cell) {
-      (is_alive ? change.changed_cells : change.removed_cells).push_back(id);
-    } else if (is_alive) {
-      CellId parent = id;
-      while (parent.index() >= first_new_cell) parent = parents_[parent.index() - first_new_cell_];
-      change.new_cells.push_back({id, parent});
-    }
+  for (const CellId id : cells)
+    (mesh_.cell(id).isAlive() ? change.changed_cells : change.removed_cells).push_back(id);
+  for (int cell = first_new_cell; cell < mesh_.cellCapacity(); ++cell) {
+    if (!mesh_.cell(CellId(cell)).isAlive()) continue;
+    CellId parent(cell);
+    while (parent.index() >= first_new_cell) parent = parents_[parent.index() - first_new_cell_];
+    change.new_cells.push_back({CellId(cell), parent});
   }
   return change;
 }

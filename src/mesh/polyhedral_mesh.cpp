@@ -129,14 +129,14 @@ class FaceJoiner {
   }
 
  private:
-  static bool hasSameVertices(const std::vector<VertexId>& a, const Loop& b) {
+  static bool hasSameVertices(const FaceLoop& a, const Loop& b) {
     return a.size() == b.size() && std::all_of(b.begin(), b.end(), [&a](int vertex) {
              return std::find(a.begin(), a.end(), VertexId(vertex)) != a.end();
            });
   }
 
   /// For loops of the same vertices.
-  static bool isReverse(const std::vector<VertexId>& a, const Loop& b) {
+  static bool isReverse(const FaceLoop& a, const Loop& b) {
     const std::size_t n = a.size();
     const std::size_t offset = std::find(b.begin(), b.end(), a[0].index()) - b.begin();
     for (std::size_t i = 0; i < n; ++i) {
@@ -274,7 +274,7 @@ PolyhedralMesh::PolyhedralMesh(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
   vertex_faces_.resize(rest_positions_.size());
   is_retired_.assign(rest_positions_.size(), 0);
   for (std::size_t f = 0; f < faces_.size(); ++f) {
-    const std::vector<VertexId>& loop = faces_[f].loop;
+    const FaceLoop& loop = faces_[f].loop;
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const VertexId start = loop[i];
       const VertexId end = loop[i + 1 == loop.size() ? 0 : i + 1];

@@ -100,7 +100,7 @@ class KernelSearch {
   }
 
   Eigen::Vector3d start_;
-  std::vector<Plane> planes_;
+  boost::container::small_vector<Plane, 32> planes_;
   double radius_ = 0;
 };
 
@@ -199,7 +199,7 @@ CellSurface makeCellSurface(const PolyhedralMesh& mesh, CellId id,
     }
     const int centre = surface.num_vertices + static_cast<int>(surface.parents.size());
     surface.points.col(centre) = virtualVertex(face, positions);
-    std::vector<int>& parents = surface.parents.emplace_back();
+    auto& parents = surface.parents.emplace_back();
     const int first = local(face.loop[0]);
     int start = first;
     for (int i = 0; i < static_cast<int>(face.loop.size()); ++i) {

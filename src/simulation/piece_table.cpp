@@ -28,7 +28,9 @@ std::vector<CellId> findDebris(const PolyhedralMesh& mesh, const Pieces& pieces,
     return table[piece].volume_m3 < smallest_volume_m3 && largest != table.begin() + piece;
   };
   std::vector<CellId> cells;
-  if (smallest_volume_m3 <= 0) return cells;
+  bool has_debris = false;
+  for (int piece = 0; piece < pieces.count; ++piece) has_debris |= isDebris(piece);
+  if (!has_debris) return cells;  // as after most cuts: no look at every cell
   for (const CellId cell : mesh.cells()) {
     if (isDebris(pieces.piece_of_cell[cell.index()])) cells.push_back(cell);
   }

@@ -109,7 +109,7 @@ TEST(CheckMesh, ReportsBodiesThatHangTogetherByAVertexAlone) {
   const VertexId shared(1);
   const VertexId replaced(4);
   for (const FaceId id : facesAround(mesh, 4)) {
-    std::vector<VertexId>& loop = face(mesh, id.index()).loop;
+    FaceLoop& loop = face(mesh, id.index()).loop;
     std::replace(loop.begin(), loop.end(), replaced, shared);
     facesAround(mesh, 1).push_back(id);
   }

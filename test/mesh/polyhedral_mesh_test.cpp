@@ -52,7 +52,7 @@ TEST(PolyhedralMesh, JoinsFacesOfNeighbours) {
   int num_shared = 0;
   for (int f = 0; f < mesh.faceCapacity(); ++f) {
     const Face& face = mesh.face(FaceId(f));
-    EXPECT_EQ(face.is_corner, std::vector<char>(3, 1));
+    EXPECT_EQ(std::vector<char>(face.is_corner.begin(), face.is_corner.end()), std::vector<char>(3, 1));
     EXPECT_EQ(face.cut, 0);
     if (face.isBoundary()) {
       EXPECT_FALSE(mesh.neighbour(FaceId(f), face.cells[0]).isValid());

@@ -50,7 +50,7 @@ inline CellSurface makeSurface(const PolyhedronSketch& sketch) {
     }
     surface.points.conservativeResize(3, centre + 1);
     surface.points.col(centre) = mean / corners.size();
-    surface.parents.push_back(corners);
+    surface.parents.emplace_back(corners.begin(), corners.end());
     for (std::size_t i = 0; i < loop.size(); ++i)
       surface.triangles.push_back({centre, loop[i], loop[(i + 1) % loop.size()]});
   }

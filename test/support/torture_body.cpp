@@ -44,7 +44,8 @@ int countPiecesByFloodFill(const PolyhedralMesh& mesh) {
   std::map<std::vector<VertexId>, std::vector<int>> cells_by_face;
   for (const CellId id : mesh.cells()) {
     for (const FaceId face : mesh.cell(id).faces) {
-      std::vector<VertexId> corners = mesh.face(face).loop;
+      const FaceLoop& loop = mesh.face(face).loop;
+      std::vector<VertexId> corners(loop.begin(), loop.end());
       std::sort(corners.begin(), corners.end());
       cells_by_face[corners].push_back(id.index());
     }

@@ -26,7 +26,7 @@ struct Contact {
   double area_m2 = 0;  ///< part of the surface that the contact stands for
 };
 
-/// The tissue's boundary faces as patches of about 200 triangles, each a bounding volume tree, in a
+/// The tissue's boundary faces as patches of about 50 triangles, each a bounding volume tree, in a
 /// broad-phase manager.
 class TissueSurface {
  public:

@@ -51,7 +51,7 @@ class CellSplit {
   bool isOnCut(VertexId v) const;
   bool splitCrossedEdges();
   bool splitFaces();
-  bool hasFlap(const std::vector<VertexId>& loop, std::size_t start, std::size_t end) const;
+  bool hasFlap(const FaceLoop& loop, std::size_t start, std::size_t end) const;
   bool findCap();
   Eigen::Vector3d vertexMeanOfPart(bool is_first) const;
 

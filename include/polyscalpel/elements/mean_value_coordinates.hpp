@@ -40,6 +40,8 @@ class MeanValueCoordinates {
 
   /// Takes a closed surface. It is not referred to afterwards.
   void setSurface(const CellSurface& surface);
+  /// The same where star_centre, that of the surface, is known.
+  void setSurface(const CellSurface& surface, const Eigen::Vector3d& star_centre);
 
   /// starCentre() of the surface [m]: the origin of the points given to evaluate().
   const Eigen::Vector3d& origin() const { return origin_; }

@@ -30,4 +30,8 @@ struct CellQuadrature {
 /// Throws std::invalid_argument where such a tetrahedron has no positive volume: the cell is not star-shaped.
 CellQuadrature makeCellQuadrature(const CellSurface& surface, const TetrahedronRule& rule);
 
+/// The same where star_centre, that of the surface, is known.
+CellQuadrature makeCellQuadrature(const CellSurface& surface, const TetrahedronRule& rule,
+                                  const Eigen::Vector3d& star_centre);
+
 }  // namespace polyscalpel

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -93,8 +94,8 @@ class CellTree {
     return {{bound.box.min() - margin, bound.box.max() + margin}, bound.largest_size};
   }
 
-  std::vector<Node> nodes_;  ///< children behind their parents; the root first
-  std::vector<Leaf> leaves_;
+  std::vector<Node> nodes_;                 ///< children behind their parents; the root first
+  std::deque<Leaf> leaves_;                 ///< a leaf more moves no other, and they are large
   std::vector<int> leaf_of_cell_;           ///< by cell id, -1 for none
   std::vector<Eigen::Vector3d> positions_;  ///< for which the boxes hold without margin [m]
   double margin_ = 0;                       ///< [m]

@@ -67,23 +67,43 @@ class MeshEditor {
   MeshChange commit();
 
  private:
-  /// One entry of the journal. What a face, a cell or the faces around a vertex were before an edit is kept
-  /// as plain numbers in one array, since a cut touches hundreds of them.
+  /// One entry of the journal. What an edit has replaced is kept as plain numbers in one array, and no more
+  /// of it than the edit has replaced: a cut touches each list of a cell or a vertex many times.
   struct Undo {
-    enum class Kind { kOldFace, kOldCell, kOldVertexFaces, kNewFace, kNewCell, kNewVertex, kRetiredVertex };
+    enum class Kind {
+      kOldFace,
+      kOldFaceCells,
+      kOldCell,
+      kOldVertexFaces,
+      kFaceOfVertexAdded,
+      kFaceOfVertexErased,
+      kFaceOfCellAdded,
+      kFaceOfCellErased,
+      kVertexOfCellAdded,
+      kNewFace,
+      kNewCell,
+      kNewVertex,
+      kRetiredVertex
+    };
     Kind kind;
     int id = 0;
     std::size_t saved = 0;  ///< where its numbers start in saved_
   };
 
   void note(Undo::Kind kind, int id) { journal_.push_back({kind, id, saved_.size()}); }
-  template <class T>
-  void save(const std::vector<T>& values);
-  template <class T>
-  const int* restore(const int* saved, std::vector<T>& values);
+  template <class Values>
+  void save(const Values& values);
+  template <class Values>
+  const int* restore(const int* saved, Values& values);
   Face& touchFace(FaceId id);
   Cell& touchCell(CellId id);
   std::vector<FaceId>& touchVertexFaces(VertexId id);
+  void addFaceTo(VertexId vertex, FaceId face);
+  void eraseFaceFrom(VertexId vertex, FaceId face);
+  void addFaceTo(CellId cell, FaceId face);
+  void eraseFaceFrom(CellId cell, FaceId face);
+  void addVertexTo(CellId cell, VertexId vertex);
+  void replaceCell(FaceId face, CellId former, CellId cell);
   FaceId addFace(Face face);
   CellId addCell(CellId former, std::vector<FaceId> faces);
   VertexId addVertex(const NewVertex& origin);

@@ -6,18 +6,24 @@
 #include <utility>
 #include <vector>
 
+#include <boost/container/small_vector.hpp>
+
 #include <Eigen/Core>
 
 #include "polyscalpel/core/types.hpp"
 
 namespace polyscalpel {
 
+/// The loop of a face. Most have three or four vertices, which lie in the face itself: a cut makes and reads
+/// thousands of faces, and an allocation and a further line of memory for each would be most of its cost.
+using FaceLoop = boost::container::small_vector<VertexId, 6>;
+
 /// A polygon between two cells, or between a cell and the outside.
 struct Face {
-  std::vector<VertexId> loop;  ///< counter-clockwise seen from outside cells[0]; at least 3
+  FaceLoop loop;  ///< counter-clockwise seen from outside cells[0]; at least 3
   /// One flag a loop entry: whether the vertex is a corner of the face as it was made. Only corners carry the
   /// virtual vertex (surface.hpp); a vertex that a neighbour's cut hung into an edge later does not.
-  std::vector<char> is_corner;
+  boost::container::small_vector<char, 8> is_corner;
   std::array<CellId, 2> cells;  ///< cells[0] sees the loop as outward; cells[1] is invalid on the boundary
   int cut = 0;  ///< number (>= 1) of the cut that made this face as a cap, 0 for every other face
 

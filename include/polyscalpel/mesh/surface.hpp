@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include <boost/container/small_vector.hpp>
+
 #include <Eigen/Core>
 
 #include "polyscalpel/core/types.hpp"
@@ -49,7 +51,8 @@ struct CellSurface {
                             ///< then one virtual vertex for each of its m faces that are fans
   int num_vertices = 0;     ///< n
   std::vector<std::array<int, 3>> triangles;  ///< outward, indices into points
-  std::vector<std::vector<int>> parents;      ///< for each virtual vertex the local vertices whose mean it is
+  /// For each virtual vertex the local vertices whose mean it is.
+  std::vector<boost::container::small_vector<int, 6>> parents;
 
   bool isTetrahedron() const { return num_vertices == 4 && triangles.size() == 4; }
 };
