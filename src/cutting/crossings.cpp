@@ -43,51 +43,105 @@ int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
 }
 
 void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tolerance) {
-  if (edges_.count(hit.edge)) return;
   const auto [a, b] = hit.edge;
+  const double across = hit.alignment * (mesh.restPosition(b) - mesh.restPosition(a)).norm();
+  const double size_a = mesh.localSize(a), size_b = mesh.localSize(b);
+  if (const auto former = edges_.find(hit.edge); former != edges_.end()) {
+    CrossedEdge& crossed = former->second;
+    const double apart = std::abs(crossed.weight - hit.weight) * across;
+    if (crossed.last_time < time_) {
+      passCells(cellsAroundEdge(mesh, a, b));
+      crossed.last_time = time_;
+    }
+    if (apart < snap_tolerance * std::min(size_a, size_b) || !isSettled(mesh, hit.edge, crossed)) return;
+    edges_.erase(former);
+  }
   const auto snap_a = snaps_.find(a), snap_b = snaps_.find(b);
 
-  const double across = hit.alignment * (mesh.restPosition(b) - mesh.restPosition(a)).norm();
   const double to_a = hit.weight * across, to_b = (1 - hit.weight) * across;
-  if (snap_a != snaps_.end() && snap_b != snaps_.end() &&
-      std::max(to_a / mesh.localSize(a), to_b / mesh.localSize(b)) < kSlitThickness * snap_tolerance)
-    return;
-  const bool is_near_a = to_a < snap_tolerance * mesh.localSize(a);
-  const bool is_near_b = to_b < snap_tolerance * mesh.localSize(b);
+  const bool is_within = snap_a != snaps_.end() && snap_b != snaps_.end();
+  if (is_within && std::max(to_a / size_a, to_b / size_b) < kSlitThickness * snap_tolerance) return;
+  const bool is_near_a = to_a < snap_tolerance * size_a;
+  const bool is_near_b = to_b < snap_tolerance * size_b;
   if (is_near_a || is_near_b) {
     const bool through_a = is_near_a && (!is_near_b || to_a <= to_b);
     const VertexId vertex = through_a ? a : b, other = through_a ? b : a;
     const int other_side = through_a ? hit.sign : -hit.sign;
-    const auto known = through_a ? snap_a : snap_b;
-    if (known == snaps_.end()) {
-      snap(mesh, vertex, -other_side);
+    if ((through_a ? snap_a : snap_b) != snaps_.end()) {
+      addAtSnapped(mesh, vertex, other, other_side);
+    } else {
+      passCells(cellsAround(mesh, vertex));
+      snapAt(mesh, vertex, -other_side, time_);
       snaps_[vertex].neighbours.emplace_back(other, other_side);
-    } else if (known->second.side != 0 && known->second.sideOfNeighbour(other) == known->second.side) {
-      known->second.neighbours.emplace_back(other, other_side);
     }
     return;
   }
-  edges_[hit.edge] = {hit.weight, hit.sign, hit.alignment, time_};
-  putCellsAround(mesh, hit.edge);
-  if (snap_a != snaps_.end()) snap_a->second.neighbours.emplace_back(b, hit.sign);
-  if (snap_b != snaps_.end()) snap_b->second.neighbours.emplace_back(a, -hit.sign);
+  edges_[hit.edge] = {hit.weight, hit.sign, hit.alignment, time_, time_};
+  passCells(cellsAroundEdge(mesh, a, b));
+  if (snap_a != snaps_.end() && !isReleased(a)) snap_a->second.neighbours.emplace_back(b, hit.sign);
+  if (snap_b != snaps_.end() && !isReleased(b)) snap_b->second.neighbours.emplace_back(a, -hit.sign);
+}
+
+void Crossings::addAtSnapped(const PolyhedralMesh& mesh, VertexId vertex, VertexId other, int other_side) {
+  Snap& snap = snaps_.at(vertex);
+  if (snap.last_time < time_) passCells(cellsAround(mesh, vertex));
+  snap.last_time = time_;
+  if (!isReleased(vertex)) {
+    if (snap.side != 0 && snap.sideOfNeighbour(other) == snap.side)
+      snap.neighbours.emplace_back(other, other_side);
+    return;
+  }
+  snap.again.emplace_back(other, other_side);
+  // An edge of the slit that leads away from the blade's surface: this sheet crosses the one that made it.
+  if (!isOnCut(other) || !isReleased(other)) return;
+  snap.neighbours = std::move(snap.again);
+  snap.again.clear();
+  snapAt(mesh, vertex, -other_side, time_);
+}
+
+bool Crossings::isOfEarlierPass(CellId cell, int last_time) const {
+  if (earlier_.empty()) return false;
+  const auto earlier = earlier_.find(cell);
+  return earlier != earlier_.end() && !earlier->second.is_counted && last_time <= earlier->second.until;
 }
 
 const Crossings::CrossedEdge* Crossings::find(CellId cell, Edge edge) const {
   const auto place = edges_.find(edge);
-  if (place == edges_.end()) return nullptr;
+  if (place == edges_.end() || isOfEarlierPass(cell, place->second.last_time)) return nullptr;
   const auto part = parts_.find(cell);
-  if (part != parts_.end() && place->second.time <= part->second.time &&
-      (part->second.settled.count(edge.first) || part->second.settled.count(edge.second))) {
-    return nullptr;  // crossed by the sheet that made the cap, which goes through the snapped corner instead
+  if (part == parts_.end()) return &place->second;
+  // Crossed by the sheet that made the cap, which goes through the snapped corner instead?
+  for (const VertexId end : {edge.first, edge.second}) {
+    const auto settled = part->second.settled.find(end);
+    if (settled != part->second.settled.end() && place->second.time <= settled->second) return nullptr;
   }
   return &place->second;
 }
 
+bool Crossings::isSettled(const PolyhedralMesh& mesh, Edge edge, const CrossedEdge& crossed) const {
+  const std::vector<CellId> around = cellsAroundEdge(mesh, edge.first, edge.second);
+  return std::all_of(around.begin(), around.end(), [&](CellId cell) {
+    const auto earlier = earlier_.find(cell);
+    return !find(cell, edge) || (earlier != earlier_.end() && crossed.time <= earlier->second.until);
+  });
+}
+
 bool Crossings::isSnapped(CellId cell, VertexId vertex) const {
-  if (!snaps_.count(vertex)) return false;
+  const auto snap = snaps_.find(vertex);
+  if (snap == snaps_.end() || isOfEarlierPass(cell, snap->second.last_time)) return false;
   const auto part = parts_.find(cell);
-  return part == parts_.end() || !part->second.settled.count(vertex);
+  if (part == parts_.end()) return true;
+  const auto settled = part->second.settled.find(vertex);
+  return settled == part->second.settled.end() || snap->second.time > settled->second;
+}
+
+void Crossings::countEarlierPasses(CellId cell, bool is_counted) {
+  const auto earlier = earlier_.find(cell);
+  if (earlier != earlier_.end()) earlier->second.is_counted = is_counted;
+}
+
+bool Crossings::canJoin(VertexId vertex) const {
+  return !isOnCut(vertex) || isReleased(vertex);
 }
 
 int Crossings::sideOfNeighbour(VertexId snapped, VertexId neighbour) const {
@@ -95,9 +149,22 @@ int Crossings::sideOfNeighbour(VertexId snapped, VertexId neighbour) const {
   return place == snaps_.end() ? 0 : place->second.sideOfNeighbour(neighbour);
 }
 
-void Crossings::snap(const PolyhedralMesh& mesh, VertexId vertex, int side) {
+void Crossings::snap(const PolyhedralMesh& mesh, VertexId vertex, int side, CellId cell) {
+  int time = 0;
+  for (const auto& [a, b] : mesh.edges(cell)) {
+    if (const CrossedEdge* crossed = find(cell, {a, b})) time = std::max(time, crossed->last_time);
+    for (const VertexId end : {a, b}) {
+      if (isSnapped(cell, end)) time = std::max(time, snaps_.at(end).last_time);
+    }
+  }
+  snapAt(mesh, vertex, side, time);
+}
+
+void Crossings::snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, int time) {
   Snap& snap = snaps_[vertex];
   snap.side = side;
+  snap.time = time_;
+  snap.last_time = time;
   open_vertices_.insert(vertex);
   for (const CellId cell : cellsAround(mesh, vertex)) cells_.insert(cell);
   for (const VertexId other : neighboursOf(mesh, vertex)) {
@@ -114,10 +181,10 @@ void Crossings::snapNear(const PolyhedralMesh& mesh, VertexId vertex, double sna
     const auto crossed = edges_.find(makeEdge(vertex, other));
     if (crossed == edges_.end()) continue;
     const bool is_first = vertex < other;
-    const auto& [weight, sign, alignment, time] = crossed->second;
+    const auto& [weight, sign, alignment, time, last_time] = crossed->second;
     const double across = alignment * (mesh.restPosition(other) - mesh.restPosition(vertex)).norm();
     if ((is_first ? weight : 1 - weight) * across >= snap_tolerance * mesh.localSize(vertex)) continue;
-    snap(mesh, vertex, is_first ? -sign : sign);
+    snapAt(mesh, vertex, is_first ? -sign : sign, last_time);
     return;
   }
 }
@@ -125,8 +192,8 @@ void Crossings::snapNear(const PolyhedralMesh& mesh, VertexId vertex, double sna
 void Crossings::recordSplitEdge(const PolyhedralMesh& mesh, Edge edge, VertexId middle) {
   const auto crossed = edges_.find(edge);
   POLYSCALPEL_ASSERT(crossed != edges_.end());
-  const int sign = crossed->second.sign;
-  snaps_[middle].neighbours = {{edge.first, -sign}, {edge.second, sign}};
+  const auto& [weight, sign, alignment, time, last_time] = crossed->second;
+  snaps_[middle] = {0, time, last_time, {{edge.first, -sign}, {edge.second, sign}}, {}};
   open_vertices_.insert(middle);
   for (const CellId cell : cellsAround(mesh, middle)) cells_.insert(cell);
   edges_.erase(crossed);
@@ -136,15 +203,22 @@ void Crossings::recordSplitCell(CellId cell, CellId first, CellId second,
                                 const std::vector<VertexId>& cap_vertices, int first_side) {
   Part part;
   if (const auto former = parts_.find(cell); former != parts_.end()) {
-    part.settled = former->second.settled;
+    part.settled = std::move(former->second.settled);
     parts_.erase(former);
   }
-  part.settled.insert(cap_vertices.begin(), cap_vertices.end());
-  part.time = time_;
+  for (const VertexId v : cap_vertices) part.settled[v] = time_;
   part.side = first_side;
   parts_[first] = part;
   part.side = -first_side;
   parts_[second] = std::move(part);
+  inheritPasses(cell, first);
+  inheritPasses(cell, second);
+}
+
+void Crossings::inheritPasses(CellId cell, CellId part) {
+  if (const auto taken = taken_.find(cell); taken != taken_.end()) taken_.emplace(part, int(taken->second));
+  if (const auto earlier = earlier_.find(cell); earlier != earlier_.end())
+    earlier_.emplace(part, Earlier(earlier->second));
 }
 
 int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) const {
@@ -164,8 +238,12 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
     for (const auto& [corner, other] : {std::make_pair(a, b), std::make_pair(b, a)}) {
       const auto snap = snaps_.find(corner);
       if (snap == snaps_.end()) continue;
+      if (isOfEarlierPass(cell, snap->second.last_time)) continue;
       own += snap->second.side;
-      if (isInFace(other) || isOnCut(other)) continue;
+      const auto other_snap = snaps_.find(other);
+      if (isInFace(other) ||
+          (other_snap != snaps_.end() && !isOfEarlierPass(cell, other_snap->second.last_time)))
+        continue;
       const double vote =
           snap->second.sideOfNeighbour(other) * std::abs(normal.dot(mesh.restPosition(other) - origin));
       anywhere += vote;
@@ -179,12 +257,17 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
 }
 
 bool Crossings::isInSlit(const Face& face) const {
-  return std::all_of(face.loop.begin(), face.loop.end(), [&](VertexId v) { return snaps_.count(v) > 0; });
+  return std::all_of(face.loop.begin(), face.loop.end(), [&](VertexId v) {
+    const auto snap = snaps_.find(v);
+    return snap != snaps_.end() && std::none_of(face.cells.begin(), face.cells.end(), [&](CellId cell) {
+             return isOfEarlierPass(cell, snap->second.last_time);
+           });
+  });
 }
 
 void Crossings::recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& origin, bool is_on_cut) {
   if (is_on_cut) {
-    snaps_[origin.vertex];
+    snapBetween(origin);
     open_vertices_.insert(origin.vertex);
     for (const CellId cell : cellsAround(mesh, origin.vertex)) cells_.insert(cell);
     return;
@@ -214,6 +297,17 @@ void Crossings::recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& o
   }
 }
 
+void Crossings::snapBetween(const NewVertex& origin) {
+  Snap snap;
+  for (const VertexId parent : origin.parents) {
+    const auto place = snaps_.find(parent);
+    if (place == snaps_.end()) continue;
+    snap.time = std::max(snap.time, place->second.time);
+    snap.last_time = std::max(snap.last_time, place->second.last_time);
+  }
+  snaps_[origin.vertex] = std::move(snap);
+}
+
 void Crossings::inheritNeighbour(VertexId snapped, VertexId neighbour, VertexId heir) {
   const auto snap = snaps_.find(snapped);
   if (snap == snaps_.end()) return;
@@ -227,13 +321,15 @@ void Crossings::inheritNeighbour(VertexId snapped, VertexId neighbour, VertexId 
 
 void Crossings::recordOpenedEdge(const PolyhedralMesh& mesh, const std::vector<NewVertex>& new_vertices) {
   const NewVertex& middle = new_vertices.front();
-  snaps_[middle.vertex];
+  snapBetween(middle);
   for (const NewVertex& side : new_vertices) {
     for (const CellId cell : cellsAround(mesh, side.vertex)) {
       const auto part = parts_.find(cell);
       if (part == parts_.end()) continue;
       auto& settled = part->second.settled;
-      if (settled.count(middle.parents[0]) && settled.count(middle.parents[1])) settled.insert(middle.vertex);
+      const auto first = settled.find(middle.parents[0]), second = settled.find(middle.parents[1]);
+      if (first != settled.end() && second != settled.end())
+        settled[middle.vertex] = std::max(first->second, second->second);
     }
   }
 }
@@ -242,14 +338,17 @@ void Crossings::recordDividedCells(const MeshChange& change) {
   for (const NewCell& cell : change.new_cells) {
     const auto part = parts_.find(cell.parent);
     if (part != parts_.end()) parts_.emplace(cell.cell, Part(part->second));
+    inheritPasses(cell.parent, cell.cell);
     if (cells_.count(cell.parent)) cells_.insert(cell.cell);
   }
 }
 
 void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
-  for (const CellId id : change.removed_cells) parts_.erase(id);
-  for (const NewCell& cell : change.new_cells) {
-    if (cells_.count(cell.parent)) cells_.insert(cell.cell);
+  recordDividedCells(change);
+  for (const CellId id : change.removed_cells) {
+    parts_.erase(id);
+    taken_.erase(id);
+    earlier_.erase(id);
   }
 
   for (const NewVertex& origin : change.new_vertices) recordDividedEdge(mesh, origin, false);
@@ -296,7 +395,9 @@ void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
     }
     for (const CellId cell : cellsAround(mesh, copy)) {
       const auto part = parts_.find(cell);
-      if (part != parts_.end() && part->second.settled.count(former)) part->second.settled.insert(copy);
+      if (part == parts_.end()) continue;
+      const auto settled = part->second.settled.find(former);
+      if (settled != part->second.settled.end()) part->second.settled.emplace(copy, int(settled->second));
     }
   }
   for (auto crossed = edges_.begin(); crossed != edges_.end();) {
@@ -314,12 +415,24 @@ std::vector<CellId> Crossings::takeCells(const PolyhedralMesh& mesh,
       cell = cells_.erase(cell);
     } else if (is_ready(*cell)) {
       taken.push_back(*cell);
+      taken_[*cell] = time_;
       cell = cells_.erase(cell);
     } else {
       ++cell;
     }
   }
+  if (!taken.empty()) ++time_;
   return taken;
+}
+
+void Crossings::passCells(const std::vector<CellId>& cells) {
+  for (const CellId cell : cells) {
+    cells_.insert(cell);
+    const auto taken = taken_.find(cell);
+    if (taken == taken_.end()) continue;
+    earlier_[cell] = {taken->second, false};
+    taken_.erase(taken);
+  }
 }
 
 void Crossings::putCellsAround(const PolyhedralMesh& mesh, Edge edge) {
@@ -330,6 +443,8 @@ void Crossings::clear() {
   edges_.clear();
   snaps_.clear();
   parts_.clear();
+  taken_.clear();
+  earlier_.clear();
   open_vertices_.clear();
   cells_.clear();
 }

@@ -100,16 +100,13 @@ class Splitter {
     while (!pending.empty()) {
       const CellId cell = pending.back();
       pending.pop_back();
-      auto components = findComponents(mesh(), crossings_, cell);
-      bool is_split = splitOff(cell, components, pending);
-      while (
-          !is_split && components.size() > 1 &&
-          (absorbHanging(cell, components) || absorbFlat(cell, components) || absorbThin(cell, components))) {
-        components = findComponents(mesh(), crossings_, cell);
-        is_split = splitOff(cell, components, pending);
+      Outcome outcome = splitAsCrossed(cell, pending);
+      if (outcome != Outcome::kSplit && crossings_.isPassedAgain(cell)) {
+        crossings_.countEarlierPasses(cell, true);
+        outcome = std::max(outcome, splitAsCrossed(cell, pending));
+        if (outcome != Outcome::kSplit) crossings_.countEarlierPasses(cell, false);
       }
-      if (is_split || components.size() < 2 || divideAcross(cell, components, pending)) continue;
-      counts.left_whole.push_back(cell);
+      if (outcome == Outcome::kLeftWhole) counts.left_whole.push_back(cell);
     }
   }
 
@@ -153,6 +150,22 @@ class Splitter {
 
  private:
   const PolyhedralMesh& mesh() const { return editor_.mesh(); }
+
+  enum class Outcome { kConnected, kLeftWhole, kSplit };
+
+  /// Splits a cell in two by what counts as crossed of it.
+  Outcome splitAsCrossed(CellId cell, std::vector<CellId>& parts) {
+    auto components = findComponents(mesh(), crossings_, cell);
+    bool is_split = splitOff(cell, components, parts);
+    while (!is_split && components.size() > 1 &&
+           (absorbHanging(cell, components) || absorbFlat(cell, components) || absorbThin(cell, components))) {
+      components = findComponents(mesh(), crossings_, cell);
+      is_split = splitOff(cell, components, parts);
+    }
+    if (is_split) return Outcome::kSplit;
+    if (components.size() < 2) return Outcome::kConnected;
+    return divideAcross(cell, components, parts) ? Outcome::kSplit : Outcome::kLeftWhole;
+  }
 
   bool splitOff(CellId cell, const std::vector<std::vector<VertexId>>& components,
                 std::vector<CellId>& parts) {
@@ -282,8 +295,8 @@ class Splitter {
 
   /// Whether a component could join the cut: none of it lies on the cut already, for other cells.
   bool canJoin(const std::vector<VertexId>& component) const {
-    return std::none_of(component.begin(), component.end(),
-                        [&](VertexId v) { return crossings_.isOnCut(v); });
+    return std::all_of(component.begin(), component.end(),
+                       [&](VertexId v) { return crossings_.canJoin(v); });
   }
 
   /// Lets the first component join the cut that consists of vertices hanging in an edge between two corners
@@ -307,7 +320,7 @@ class Splitter {
         sides.emplace_back(v, side != 0 ? side : 1);
       }
       if (sides.size() != component.size()) continue;
-      for (const auto& [v, side] : sides) crossings_.snap(mesh(), v, side);
+      for (const auto& [v, side] : sides) crossings_.snap(mesh(), v, side, cell);
       return true;
     }
     return false;
@@ -336,7 +349,7 @@ class Splitter {
                kAbsorbDistance * snap_tolerance_ * mesh().localSize(v);
       });
       if (!is_flat) continue;
-      for (const VertexId v : component) crossings_.snap(mesh(), v, side);
+      for (const VertexId v : component) crossings_.snap(mesh(), v, side, cell);
       return true;
     }
     return false;
@@ -353,7 +366,7 @@ class Splitter {
         if (side) sides.emplace_back(v, *side);
       }
       if (sides.size() != component.size()) continue;
-      for (const auto& [v, side] : sides) crossings_.snap(mesh(), v, side);
+      for (const auto& [v, side] : sides) crossings_.snap(mesh(), v, side, cell);
       return true;
     }
     return false;
