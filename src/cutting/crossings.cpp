@@ -44,27 +44,35 @@ int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
 
 void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tolerance) {
   const auto [a, b] = hit.edge;
-  const double across = hit.alignment * (mesh.restPosition(b) - mesh.restPosition(a)).norm();
-  const double size_a = mesh.localSize(a), size_b = mesh.localSize(b);
-  if (const auto former = edges_.find(hit.edge); former != edges_.end()) {
-    CrossedEdge& crossed = former->second;
-    const double apart = std::abs(crossed.weight - hit.weight) * across;
-    if (crossed.last_time < time_) {
-      passCells(cellsAroundEdge(mesh, a, b));
-      crossed.last_time = time_;
-    }
-    if (apart < snap_tolerance * std::min(size_a, size_b) || !isSettled(mesh, hit.edge, crossed)) return;
-    edges_.erase(former);
-  }
   const auto snap_a = snaps_.find(a), snap_b = snaps_.find(b);
-
+  const double length = (mesh.restPosition(b) - mesh.restPosition(a)).norm();
+  const double across = hit.alignment * length;
+  const double size_a = mesh.localSize(a), size_b = mesh.localSize(b);
   const double to_a = hit.weight * across, to_b = (1 - hit.weight) * across;
-  const bool is_within = snap_a != snaps_.end() && snap_b != snaps_.end();
-  if (is_within && std::max(to_a / size_a, to_b / size_b) < kSlitThickness * snap_tolerance) return;
   const bool is_near_a = to_a < snap_tolerance * size_a;
   const bool is_near_b = to_b < snap_tolerance * size_b;
+  const bool through_a = is_near_a && (!is_near_b || to_a <= to_b);
+
+  bool is_grazed = false;
+  if (const auto former = edges_.find(hit.edge); former != edges_.end()) {
+    CrossedEdge& crossed = former->second;
+    if (crossed.last_time < time_) passCells(cellsAroundEdge(mesh, a, b));
+    crossed.last_time = time_;
+    // A bent surface that grazes the edge comes back through it, within the snap distance of where it was but
+    // elsewhere on the edge: it goes through the end that is near, for both ends lie on one side of it.
+    const double apart = std::abs(crossed.weight - hit.weight);
+    const double snap_distance = snap_tolerance * std::min(size_a, size_b);
+    const bool is_settled = isSettled(mesh, hit.edge, crossed);
+    is_grazed = !is_settled && hit.sign == -crossed.sign && apart * across < snap_distance &&
+                apart * length > snap_distance && (is_near_a || is_near_b) &&
+                (through_a ? snap_a : snap_b) == snaps_.end();
+    if (!is_grazed && (!is_settled || apart * across < snap_distance)) return;
+    edges_.erase(former);
+  }
+
+  const bool is_within = snap_a != snaps_.end() && snap_b != snaps_.end();
+  if (is_within && std::max(to_a / size_a, to_b / size_b) < kSlitThickness * snap_tolerance) return;
   if (is_near_a || is_near_b) {
-    const bool through_a = is_near_a && (!is_near_b || to_a <= to_b);
     const VertexId vertex = through_a ? a : b, other = through_a ? b : a;
     const int other_side = through_a ? hit.sign : -hit.sign;
     if ((through_a ? snap_a : snap_b) != snaps_.end()) {
@@ -72,7 +80,7 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
     } else {
       passCells(cellsAround(mesh, vertex));
       snapAt(mesh, vertex, -other_side, time_);
-      snaps_[vertex].neighbours.emplace_back(other, other_side);
+      snaps_[vertex].neighbours.emplace_back(other, is_grazed ? -other_side : other_side);
     }
     return;
   }
