@@ -15,6 +15,10 @@ namespace {
 /// where a stroke crosses itself.
 constexpr double kSlitThickness = 2;
 
+/// Largest |cos| of the angle between a settled slit's edge and the blade's normal where that edge, shorter
+/// than the slit is thick, may lie in the blade's surface.
+constexpr double kLargestAlignmentInSlit = 0.5;
+
 /// Vertices joined to `vertex` by an edge.
 std::vector<VertexId> neighboursOf(const PolyhedralMesh& mesh, VertexId vertex) {
   std::vector<VertexId> neighbours;
@@ -71,7 +75,10 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
   }
 
   const bool is_within = snap_a != snaps_.end() && snap_b != snaps_.end();
-  if (is_within && std::max(to_a / size_a, to_b / size_b) < kSlitThickness * snap_tolerance) return;
+  // A slit that is settled is crossed by a surface at an angle to it, however short its edges are.
+  const bool is_at_angle = is_within && isReleased(a) && isReleased(b) && hit.alignment > kLargestAlignmentInSlit;
+  const double thickness = (is_at_angle ? 1 : kSlitThickness) * snap_tolerance;
+  if (is_within && std::max(to_a / size_a, to_b / size_b) < thickness) return;
   if (is_near_a || is_near_b) {
     const VertexId vertex = through_a ? a : b, other = through_a ? b : a;
     const int other_side = through_a ? hit.sign : -hit.sign;
