@@ -75,10 +75,15 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
   }
 
   const bool is_within = snap_a != snaps_.end() && snap_b != snaps_.end();
-  // A slit that is settled is crossed by a surface at an angle to it, however short its edges are.
-  const bool is_at_angle = is_within && isReleased(a) && isReleased(b) && hit.alignment > kLargestAlignmentInSlit;
-  const double thickness = (is_at_angle ? 1 : kSlitThickness) * snap_tolerance;
-  if (is_within && std::max(to_a / size_a, to_b / size_b) < thickness) return;
+  if (is_within) {
+    // A settled slit is crossed by a surface at an angle to it, however short the edges are that the two
+    // sheets have in common.
+    const bool is_settled = isReleased(a) && isReleased(b);
+    const bool is_at_angle = is_settled && hit.alignment > kLargestAlignmentInSlit;
+    const double furthest = std::max(to_a / size_a, to_b / size_b) / snap_tolerance;
+    const bool is_between = is_settled && !is_near_a && !is_near_b;
+    if (!is_between && furthest < (is_at_angle ? 1 : kSlitThickness)) return;
+  }
   if (is_near_a || is_near_b) {
     const VertexId vertex = through_a ? a : b, other = through_a ? b : a;
     const int other_side = through_a ? hit.sign : -hit.sign;
