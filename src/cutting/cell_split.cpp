@@ -57,9 +57,9 @@ bool CellSplit::splitCrossedEdges() {
     POLYSCALPEL_ASSERT(crossed);
     // A vertex on an edge that is shut between two walls of a slit would join what nothing else joins.
     if (numFansAroundEdge(mesh(), edge.first, edge.second) > 1) return false;
-    side_votes_ += first_in ? -crossed->sign : crossed->sign;
+    side_votes_ += crossed->sideAt(first_in);
     for (const CellId around : cellsAroundEdge(mesh(), edge.first, edge.second)) touched_.insert(around);
-    const double weight = std::clamp(crossed->weight, kSmallestEdgePart, 1 - kSmallestEdgePart);
+    const double weight = std::clamp(crossed->weightAt(first_in), kSmallestEdgePart, 1 - kSmallestEdgePart);
     const VertexId middle = editor_.splitEdge(edge.first, edge.second, weight);
     middles_.insert(middle);
     split_edges_.emplace_back(edge, middle);

@@ -39,6 +39,22 @@ Edge makeEdge(VertexId a, VertexId b) {
   return a < b ? Edge{a, b} : Edge{b, a};
 }
 
+Crossings::CrossedEdge Crossings::CrossedEdge::reversed() const {
+  CrossedEdge other = *this;
+  other.weight = 1 - weightAt(false);
+  other.sign = -sideAt(false);
+  if (isTwice()) other.second_weight = 1 - weight;
+  return other;
+}
+
+std::optional<Crossings::CrossedEdge> Crossings::CrossedEdge::upTo(double end) const {
+  if (weight > end) return {};
+  CrossedEdge part = *this;
+  part.weight /= end;
+  part.second_weight = second_weight < end ? second_weight / end : std::numeric_limits<double>::infinity();
+  return part;
+}
+
 int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
   for (const auto& [vertex, neighbour_side] : neighbours) {
     if (vertex == neighbour) return neighbour_side;
@@ -64,12 +80,22 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
     crossed.last_time = time_;
     // A bent surface that grazes the edge comes back through it, within the snap distance of where it was but
     // elsewhere on the edge: it goes through the end that is near, for both ends lie on one side of it.
-    const double apart = std::abs(crossed.weight - hit.weight);
+    const double apart =
+        std::min(std::abs(crossed.weight - hit.weight), std::abs(crossed.second_weight - hit.weight));
     const double snap_distance = snap_tolerance * std::min(size_a, size_b);
     const bool is_settled = isSettled(mesh, hit.edge, crossed);
     is_grazed = !is_settled && hit.sign == -crossed.sign && apart * across < snap_distance &&
                 apart * length > snap_distance && (is_near_a || is_near_b) &&
                 (through_a ? snap_a : snap_b) == snaps_.end();
+    if (!is_grazed && !is_settled && hit.sign == -crossed.sign && !crossed.isTwice() && !is_near_a &&
+        !is_near_b && apart * across >= snap_distance) {
+      crossed.second_weight = std::max(crossed.weight, hit.weight);
+      if (hit.weight < crossed.weight) {
+        crossed.weight = hit.weight;
+        crossed.sign = hit.sign;
+      }
+      return;
+    }
     if (!is_grazed && (!is_settled || apart * across < snap_distance)) return;
     edges_.erase(former);
   }
@@ -96,7 +122,7 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
     }
     return;
   }
-  edges_[hit.edge] = {hit.weight, hit.sign, hit.alignment, time_, time_};
+  edges_[hit.edge] = {hit.weight, hit.sign, hit.alignment, time_, time_, CrossedEdge().second_weight};
   passCells(cellsAroundEdge(mesh, a, b));
   if (snap_a != snaps_.end() && !isReleased(a)) snap_a->second.neighbours.emplace_back(b, hit.sign);
   if (snap_b != snaps_.end() && !isReleased(b)) snap_b->second.neighbours.emplace_back(a, -hit.sign);
@@ -190,7 +216,7 @@ void Crossings::snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, in
   for (const VertexId other : neighboursOf(mesh, vertex)) {
     const auto crossed = edges_.find(makeEdge(vertex, other));
     if (crossed == edges_.end()) continue;
-    snap.neighbours.emplace_back(other, other < vertex ? -crossed->second.sign : crossed->second.sign);
+    snap.neighbours.emplace_back(other, crossed->second.sideAt(other < vertex));
     edges_.erase(crossed);
   }
 }
@@ -201,22 +227,38 @@ void Crossings::snapNear(const PolyhedralMesh& mesh, VertexId vertex, double sna
     const auto crossed = edges_.find(makeEdge(vertex, other));
     if (crossed == edges_.end()) continue;
     const bool is_first = vertex < other;
-    const auto& [weight, sign, alignment, time, last_time] = crossed->second;
-    const double across = alignment * (mesh.restPosition(other) - mesh.restPosition(vertex)).norm();
-    if ((is_first ? weight : 1 - weight) * across >= snap_tolerance * mesh.localSize(vertex)) continue;
-    snapAt(mesh, vertex, is_first ? -sign : sign, last_time);
+    const CrossedEdge from_vertex = is_first ? crossed->second : crossed->second.reversed();
+    const double length = (mesh.restPosition(other) - mesh.restPosition(vertex)).norm();
+    if (from_vertex.weight * from_vertex.alignment * length >= snap_tolerance * mesh.localSize(vertex)) continue;
+    snapAt(mesh, vertex, from_vertex.sideAt(true), from_vertex.last_time);
     return;
   }
 }
 
 void Crossings::recordSplitEdge(const PolyhedralMesh& mesh, Edge edge, VertexId middle) {
-  const auto crossed = edges_.find(edge);
-  POLYSCALPEL_ASSERT(crossed != edges_.end());
-  const auto& [weight, sign, alignment, time, last_time] = crossed->second;
-  snaps_[middle] = {0, time, last_time, {{edge.first, -sign}, {edge.second, sign}}, {}};
+  const auto place = edges_.find(edge);
+  POLYSCALPEL_ASSERT(place != edges_.end());
+  const CrossedEdge crossed = place->second;
+  edges_.erase(place);
+  const auto [a, b] = edge;
+  int sign = crossed.sign;
+  if (crossed.isTwice()) {
+    // The other crossing goes on with the part of the edge in which it lies, and counts for the cells that
+    // have just got the middle as the corner of a cap.
+    const double at = (mesh.restPosition(middle) - mesh.restPosition(a)).norm() /
+                      (mesh.restPosition(b) - mesh.restPosition(a)).norm();
+    const bool by_first = std::abs(at - crossed.weight) <= std::abs(at - crossed.second_weight);
+    CrossedEdge rest = by_first ? crossed.reversed() : crossed;
+    rest.second_weight = std::numeric_limits<double>::infinity();
+    rest.time = time_ + 1;
+    if (!by_first) sign = -sign;
+    const Edge part = makeEdge(by_first ? b : a, middle);
+    edges_[part] = *rest.upTo(std::max(rest.weight, by_first ? 1 - at : at));
+    putCellsAround(mesh, part);
+  }
+  snaps_[middle] = {0, crossed.time, crossed.last_time, {{a, -sign}, {b, sign}}, {}};
   open_vertices_.insert(middle);
   for (const CellId cell : cellsAround(mesh, middle)) cells_.insert(cell);
-  edges_.erase(crossed);
 }
 
 void Crossings::recordSplitCell(CellId cell, CellId first, CellId second,
@@ -300,20 +342,16 @@ void Crossings::recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& o
     inheritNeighbour(b, a, origin.vertex);
     return;
   }
-  // Another cut has divided the edge; the crossing stays in the part where it was.
+  // Another cut has divided the edge; the crossing stays in the part where it was. The new vertex is the
+  // larger one, so the part at the second end runs against the edge.
   const double at = a == origin.parents[0] ? origin.weight : 1 - origin.weight;
-  inheritNeighbour(crossed->second.weight <= at ? a : b, crossed->second.weight <= at ? b : a, origin.vertex);
-  CrossedEdge moved = crossed->second;
-  if (moved.weight <= at) {
-    moved.weight /= at;
-    edges_.emplace(makeEdge(a, origin.vertex), moved);
-    putCellsAround(mesh, makeEdge(a, origin.vertex));
-  } else {
-    // The new vertex is the larger one, so the part runs against the edge.
-    moved.weight = 1 - (moved.weight - at) / (1 - at);
-    moved.sign = -moved.sign;
-    edges_.emplace(makeEdge(b, origin.vertex), moved);
-    putCellsAround(mesh, makeEdge(b, origin.vertex));
+  const CrossedEdge whole = crossed->second;
+  inheritNeighbour(whole.weight <= at ? a : b, whole.weight <= at ? b : a, origin.vertex);
+  const auto before = whole.upTo(at), after = whole.reversed().upTo(1 - at);
+  for (const auto& [end, part] : {std::pair(a, before), std::pair(b, after)}) {
+    if (!part) continue;
+    edges_.emplace(makeEdge(end, origin.vertex), *part);
+    putCellsAround(mesh, makeEdge(end, origin.vertex));
   }
 }
 
@@ -405,10 +443,7 @@ void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
       const VertexId former_other = originalOf(other);
       if (const auto crossed = edges_.find(makeEdge(former, former_other)); crossed != edges_.end()) {
         CrossedEdge moved = crossed->second;
-        if ((former < former_other) != (copy < other)) {
-          moved.weight = 1 - moved.weight;
-          moved.sign = -moved.sign;
-        }
+        if ((former < former_other) != (copy < other)) moved = moved.reversed();
         edges_.emplace(makeEdge(copy, other), moved);
         putCellsAround(mesh, makeEdge(copy, other));
       }

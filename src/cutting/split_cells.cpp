@@ -381,8 +381,8 @@ class Splitter {
       const VertexId other = a == v ? b : a;
       const double length = (mesh().restPosition(b) - mesh().restPosition(a)).norm();
       if (const auto* crossed = crossings_.find(cell, {a, b})) {
-        if (length * (a == v ? crossed->weight : 1 - crossed->weight) < reach)
-          side = a == v ? -crossed->sign : crossed->sign;
+        const double weight = crossed->weightAt(a == v);
+        if (length * (a == v ? weight : 1 - weight) < reach) side = crossed->sideAt(a == v);
       } else if (!side && crossings_.isSnapped(cell, other) && length < reach) {
         side = crossings_.sideOfNeighbour(other, v);
       }

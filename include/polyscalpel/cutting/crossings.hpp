@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
+#include <optional>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -51,13 +53,25 @@ struct Hit {
 /// other, the blade is drawn back through its own slit and makes nothing new.
 class Crossings {
  public:
-  /// A crossed edge. side of edge.first is -sign, of edge.second +sign.
+  /// A crossed edge.
   struct CrossedEdge {
     double weight = 0;
-    int sign = 0;
+    int sign = 0;          ///< as in Hit, at weight
     double alignment = 1;  ///< as in Hit
     int time = 0;          ///< of the hit
     int last_time = 0;     ///< when the blade was last here
+    /// Where a bent surface comes back through the edge, > weight; infinite: nowhere.
+    double second_weight = std::numeric_limits<double>::infinity();
+
+    bool isTwice() const { return second_weight < 1; }
+    /// Where a cut goes that parts the edge's first end from the rest, or its second end.
+    double weightAt(bool is_first) const { return is_first || !isTwice() ? weight : second_weight; }
+    /// Side of the blade's surface on which the edge's first end lies, or its second end.
+    int sideAt(bool is_first) const { return is_first || isTwice() ? -sign : sign; }
+    /// The same seen from the edge's other end.
+    CrossedEdge reversed() const;
+    /// What lies on the part of the edge up to `end`; nothing where none does.
+    std::optional<CrossedEdge> upTo(double end) const;
   };
 
   /// Remembers a hit; the first one on an edge wins, until the blade has left all cells around it and comes
