@@ -229,7 +229,8 @@ void Crossings::snapNear(const PolyhedralMesh& mesh, VertexId vertex, double sna
     const bool is_first = vertex < other;
     const CrossedEdge from_vertex = is_first ? crossed->second : crossed->second.reversed();
     const double length = (mesh.restPosition(other) - mesh.restPosition(vertex)).norm();
-    if (from_vertex.weight * from_vertex.alignment * length >= snap_tolerance * mesh.localSize(vertex)) continue;
+    if (from_vertex.weight * from_vertex.alignment * length >= snap_tolerance * mesh.localSize(vertex))
+      continue;
     snapAt(mesh, vertex, from_vertex.sideAt(true), from_vertex.last_time);
     return;
   }

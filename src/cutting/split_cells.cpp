@@ -157,8 +157,9 @@ class Splitter {
   Outcome splitAsCrossed(CellId cell, std::vector<CellId>& parts) {
     auto components = findComponents(mesh(), crossings_, cell);
     bool is_split = splitOff(cell, components, parts);
-    while (!is_split && components.size() > 1 &&
-           (absorbHanging(cell, components) || absorbFlat(cell, components) || absorbThin(cell, components))) {
+    while (
+        !is_split && components.size() > 1 &&
+        (absorbHanging(cell, components) || absorbFlat(cell, components) || absorbThin(cell, components))) {
       components = findComponents(mesh(), crossings_, cell);
       is_split = splitOff(cell, components, parts);
     }
@@ -230,7 +231,7 @@ class Splitter {
     for (std::size_t attempt = 0; attempt < 2 * components.size(); ++attempt) {
       const std::size_t savepoint = editor_.savepoint();
       CellSplit split(editor_, crossings_, cell, components[attempt / 2]);
-      if (!split.findBorder()) {
+      if (!split.findBorder() || hasDoubledEdge(cell)) {
         editor_.rollBackTo(savepoint);
         continue;
       }
@@ -273,6 +274,13 @@ class Splitter {
     return false;
   }
 
+  /// Whether chords have cut flat faces off the two at an edge in which vertices hang: the chords then join
+  /// the same two vertices.
+  bool hasDoubledEdge(CellId cell) const {
+    const auto edges = mesh().edges(cell);  // ascending
+    return std::adjacent_find(edges.begin(), edges.end()) != edges.end();
+  }
+
   /// Hits of a cell's edges, in rest shape, on the plane through the middle of a border and across one of its
   /// principal axes (2: the longest).
   std::vector<Hit> hitsAcross(CellId cell, const std::vector<VertexId>& loop, int axis) const {
@@ -295,8 +303,7 @@ class Splitter {
 
   /// Whether a component could join the cut: none of it lies on the cut already, for other cells.
   bool canJoin(const std::vector<VertexId>& component) const {
-    return std::all_of(component.begin(), component.end(),
-                       [&](VertexId v) { return crossings_.canJoin(v); });
+    return std::all_of(component.begin(), component.end(), [&](VertexId v) { return crossings_.canJoin(v); });
   }
 
   /// Lets the first component join the cut that consists of vertices hanging in an edge between two corners

@@ -180,7 +180,7 @@ class Crossings {
     int time = 0;       ///< when the blade's surface came to go through it
     int last_time = 0;  ///< when the blade was last here
     std::vector<std::pair<VertexId, int>>
-        neighbours;  ///< sides of vertices at the other end of crossed edges
+        neighbours;                               ///< sides of vertices at the other end of crossed edges
     std::vector<std::pair<VertexId, int>> again;  ///< the same as the blade comes back, released before
     int sideOfNeighbour(VertexId neighbour) const;
   };
