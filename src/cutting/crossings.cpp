@@ -33,6 +33,30 @@ std::vector<VertexId> neighboursOf(const PolyhedralMesh& mesh, VertexId vertex) 
   return neighbours;
 }
 
+/// Length of the way along a hit's edge to where it is crossed already, in snap distances.
+double wayToFormer(const PolyhedralMesh& mesh, const Hit& hit, const Crossings::CrossedEdge& crossed,
+                   double snap_tolerance) {
+  const auto [a, b] = hit.edge;
+  const double part =
+      std::min(std::abs(crossed.weight - hit.weight), std::abs(crossed.second_weight - hit.weight));
+  return part * (mesh.restPosition(b) - mesh.restPosition(a)).norm() /
+         (snap_tolerance * std::min(mesh.localSize(a), mesh.localSize(b)));
+}
+
+/// Whether a hit lies on the sheet that has crossed its edge already.
+bool isSamePlace(const PolyhedralMesh& mesh, const Hit& hit, const Crossings::CrossedEdge& crossed,
+                 double snap_tolerance) {
+  return hit.alignment * wayToFormer(mesh, hit, crossed, snap_tolerance) < 1;
+}
+
+/// Whether a bent surface comes back through an edge that it grazes: within the snap distance of where it
+/// was, but elsewhere on the edge. Both ends lie on one side of it, so it is to go through the near one.
+bool isGrazed(const PolyhedralMesh& mesh, const Hit& hit, const Crossings::CrossedEdge& crossed,
+              double snap_tolerance) {
+  return hit.sign == -crossed.sign && isSamePlace(mesh, hit, crossed, snap_tolerance) &&
+         wayToFormer(mesh, hit, crossed, snap_tolerance) > 1;
+}
+
 }  // namespace
 
 Edge makeEdge(VertexId a, VertexId b) {
@@ -55,6 +79,14 @@ std::optional<Crossings::CrossedEdge> Crossings::CrossedEdge::upTo(double end) c
   return part;
 }
 
+void Crossings::CrossedEdge::addSecond(const Hit& hit) {
+  if (hit.sign != -sign || isTwice()) return;
+  second_weight = std::max(weight, hit.weight);
+  if (hit.weight > weight) return;
+  weight = hit.weight;
+  sign = hit.sign;
+}
+
 int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
   for (const auto& [vertex, neighbour_side] : neighbours) {
     if (vertex == neighbour) return neighbour_side;
@@ -65,55 +97,40 @@ int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
 void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tolerance) {
   const auto [a, b] = hit.edge;
   const auto snap_a = snaps_.find(a), snap_b = snaps_.find(b);
-  const double length = (mesh.restPosition(b) - mesh.restPosition(a)).norm();
-  const double across = hit.alignment * length;
-  const double size_a = mesh.localSize(a), size_b = mesh.localSize(b);
-  const double to_a = hit.weight * across, to_b = (1 - hit.weight) * across;
-  const bool is_near_a = to_a < snap_tolerance * size_a;
-  const bool is_near_b = to_b < snap_tolerance * size_b;
-  const bool through_a = is_near_a && (!is_near_b || to_a <= to_b);
+  const double across = hit.alignment * (mesh.restPosition(b) - mesh.restPosition(a)).norm();
+  // Distances from the blade's surface, in snap distances.
+  const double to_a = hit.weight * across / (snap_tolerance * mesh.localSize(a));
+  const double to_b = (1 - hit.weight) * across / (snap_tolerance * mesh.localSize(b));
+  const bool is_near = to_a < 1 || to_b < 1;
+  const bool through_a = to_a < 1 && (to_b >= 1 || hit.weight <= 0.5);
+  const bool is_snapped = is_near && (through_a ? snap_a : snap_b) != snaps_.end();
 
   bool is_grazed = false;
   if (const auto former = edges_.find(hit.edge); former != edges_.end()) {
     CrossedEdge& crossed = former->second;
     if (crossed.last_time < time_) passCells(cellsAroundEdge(mesh, a, b));
     crossed.last_time = time_;
-    // A bent surface that grazes the edge comes back through it, within the snap distance of where it was but
-    // elsewhere on the edge: it goes through the end that is near, for both ends lie on one side of it.
-    const double apart =
-        std::min(std::abs(crossed.weight - hit.weight), std::abs(crossed.second_weight - hit.weight));
-    const double snap_distance = snap_tolerance * std::min(size_a, size_b);
-    const bool is_settled = isSettled(mesh, hit.edge, crossed);
-    is_grazed = !is_settled && hit.sign == -crossed.sign && apart * across < snap_distance &&
-                apart * length > snap_distance && (is_near_a || is_near_b) &&
-                (through_a ? snap_a : snap_b) == snaps_.end();
-    if (!is_grazed && !is_settled && hit.sign == -crossed.sign && !crossed.isTwice() && !is_near_a &&
-        !is_near_b && apart * across >= snap_distance) {
-      crossed.second_weight = std::max(crossed.weight, hit.weight);
-      if (hit.weight < crossed.weight) {
-        crossed.weight = hit.weight;
-        crossed.sign = hit.sign;
-      }
-      return;
+    if (isSettled(mesh, hit.edge, crossed)) {
+      if (isSamePlace(mesh, hit, crossed, snap_tolerance)) return;
+    } else {
+      is_grazed = is_near && !is_snapped && isGrazed(mesh, hit, crossed, snap_tolerance);
+      if (!is_grazed && !is_near && !isSamePlace(mesh, hit, crossed, snap_tolerance)) crossed.addSecond(hit);
+      if (!is_grazed) return;
     }
-    if (!is_grazed && (!is_settled || apart * across < snap_distance)) return;
     edges_.erase(former);
   }
 
-  const bool is_within = snap_a != snaps_.end() && snap_b != snaps_.end();
-  if (is_within) {
+  if (snap_a != snaps_.end() && snap_b != snaps_.end()) {
     // A settled slit is crossed by a surface at an angle to it, however short the edges are that the two
     // sheets have in common.
     const bool is_settled = isReleased(a) && isReleased(b);
     const bool is_at_angle = is_settled && hit.alignment > kLargestAlignmentInSlit;
-    const double furthest = std::max(to_a / size_a, to_b / size_b) / snap_tolerance;
-    const bool is_between = is_settled && !is_near_a && !is_near_b;
-    if (!is_between && furthest < (is_at_angle ? 1 : kSlitThickness)) return;
+    if ((is_near || !is_settled) && std::max(to_a, to_b) < (is_at_angle ? 1 : kSlitThickness)) return;
   }
-  if (is_near_a || is_near_b) {
+  if (is_near) {
     const VertexId vertex = through_a ? a : b, other = through_a ? b : a;
     const int other_side = through_a ? hit.sign : -hit.sign;
-    if ((through_a ? snap_a : snap_b) != snaps_.end()) {
+    if (is_snapped) {
       addAtSnapped(mesh, vertex, other, other_side);
     } else {
       passCells(cellsAround(mesh, vertex));
@@ -122,7 +139,11 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
     }
     return;
   }
-  edges_[hit.edge] = {hit.weight, hit.sign, hit.alignment, time_, time_, CrossedEdge().second_weight};
+  CrossedEdge& crossed = edges_[hit.edge];
+  crossed.weight = hit.weight;
+  crossed.sign = hit.sign;
+  crossed.alignment = hit.alignment;
+  crossed.time = crossed.last_time = time_;
   passCells(cellsAroundEdge(mesh, a, b));
   if (snap_a != snaps_.end() && !isReleased(a)) snap_a->second.neighbours.emplace_back(b, hit.sign);
   if (snap_b != snaps_.end() && !isReleased(b)) snap_b->second.neighbours.emplace_back(a, -hit.sign);

@@ -68,6 +68,8 @@ class Crossings {
     double weightAt(bool is_first) const { return is_first || !isTwice() ? weight : second_weight; }
     /// Side of the blade's surface on which the edge's first end lies, or its second end.
     int sideAt(bool is_first) const { return is_first || isTwice() ? -sign : sign; }
+    /// Takes a further hit, elsewhere on the edge, for the second one if the surface comes back there.
+    void addSecond(const Hit& hit);
     /// The same seen from the edge's other end.
     CrossedEdge reversed() const;
     /// What lies on the part of the edge up to `end`; nothing where none does.
