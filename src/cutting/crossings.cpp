@@ -19,6 +19,11 @@ constexpr double kSlitThickness = 2;
 /// than the slit is thick, may lie in the blade's surface.
 constexpr double kLargestAlignmentInSlit = 0.5;
 
+/// A bent surface that comes back through an edge meets it at a flat angle. One that comes back with a larger
+/// |cos| of the angle between edge and normal is folded, more narrowly than the cells tell: the first
+/// crossing stands for the fold.
+constexpr double kLargestAlignmentOfBend = 0.5;
+
 /// Vertices joined to `vertex` by an edge.
 std::vector<VertexId> neighboursOf(const PolyhedralMesh& mesh, VertexId vertex) {
   std::vector<VertexId> neighbours;
@@ -80,7 +85,7 @@ std::optional<Crossings::CrossedEdge> Crossings::CrossedEdge::upTo(double end) c
 }
 
 void Crossings::CrossedEdge::addSecond(const Hit& hit) {
-  if (hit.sign != -sign || isTwice()) return;
+  if (hit.sign != -sign || isTwice() || std::max(alignment, hit.alignment) > kLargestAlignmentOfBend) return;
   second_weight = std::max(weight, hit.weight);
   if (hit.weight > weight) return;
   weight = hit.weight;
