@@ -56,8 +56,8 @@ bool CellSplit::splitCrossedEdges() {
     POLYSCALPEL_ASSERT(crossed);
     // A vertex on an edge that is shut between two walls of a slit would join what nothing else joins.
     if (numFansAroundEdge(mesh(), edge.first, edge.second) > 1) return false;
-    side_votes_ += first_in ? -crossed->sign : crossed->sign;
-    const double weight = std::clamp(crossed->weight, kSmallestEdgePart, 1 - kSmallestEdgePart);
+    side_votes_ += crossed->sideAt(first_in);
+    const double weight = std::clamp(crossed->weightAt(first_in), kSmallestEdgePart, 1 - kSmallestEdgePart);
     const VertexId middle = editor_.splitEdge(edge.first, edge.second, weight);
     for (const CellId around : cellsAround(mesh(), middle)) touched_.insert(around);
     middles_.insert(middle);

@@ -23,6 +23,15 @@ constexpr double kSlitThickness = 2;
 /// but for rounding: the least that may be set as snap tolerance.
 constexpr double kSmallestHeight = 1e-6;
 
+/// Largest |cos| of the angle between a settled slit's edge and the blade's normal where that edge, shorter
+/// than the slit is thick, may lie in the blade's surface.
+constexpr double kLargestAlignmentInSlit = 0.5;
+
+/// A bent surface that comes back through an edge meets it at a flat angle. One that comes back with a larger
+/// |cos| of the angle between edge and normal is folded, more narrowly than the cells tell: the first
+/// crossing stands for the fold.
+constexpr double kLargestAlignmentOfBend = 0.5;
+
 /// Vertices joined to `vertex` by an edge.
 std::vector<VertexId> neighboursOf(const PolyhedralMesh& mesh, VertexId vertex) {
   std::vector<VertexId> neighbours;
@@ -37,10 +46,58 @@ std::vector<VertexId> neighboursOf(const PolyhedralMesh& mesh, VertexId vertex) 
   return neighbours;
 }
 
+/// Length of the way along a hit's edge to where it is crossed already, in snap distances.
+double wayToFormer(const PolyhedralMesh& mesh, const Hit& hit, const Crossings::CrossedEdge& crossed,
+                   double snap_tolerance) {
+  const auto [a, b] = hit.edge;
+  const double part =
+      std::min(std::abs(crossed.weight - hit.weight), std::abs(crossed.second_weight - hit.weight));
+  return part * (mesh.restPosition(b) - mesh.restPosition(a)).norm() /
+         (snap_tolerance * std::min(mesh.localSize(a), mesh.localSize(b)));
+}
+
+/// Whether a hit lies on the sheet that has crossed its edge already.
+bool isSamePlace(const PolyhedralMesh& mesh, const Hit& hit, const Crossings::CrossedEdge& crossed,
+                 double snap_tolerance) {
+  return hit.alignment * wayToFormer(mesh, hit, crossed, snap_tolerance) < 1;
+}
+
+/// Whether a bent surface comes back through an edge that it grazes: within the snap distance of where it
+/// was, but elsewhere on the edge. Both ends lie on one side of it, so it is to go through the near one.
+bool isGrazed(const PolyhedralMesh& mesh, const Hit& hit, const Crossings::CrossedEdge& crossed,
+              double snap_tolerance) {
+  return hit.sign == -crossed.sign && isSamePlace(mesh, hit, crossed, snap_tolerance) &&
+         wayToFormer(mesh, hit, crossed, snap_tolerance) > 1;
+}
+
 }  // namespace
 
 Edge makeEdge(VertexId a, VertexId b) {
   return a < b ? Edge{a, b} : Edge{b, a};
+}
+
+Crossings::CrossedEdge Crossings::CrossedEdge::reversed() const {
+  CrossedEdge other = *this;
+  other.weight = 1 - weightAt(false);
+  other.sign = -sideAt(false);
+  if (isTwice()) other.second_weight = 1 - weight;
+  return other;
+}
+
+std::optional<Crossings::CrossedEdge> Crossings::CrossedEdge::upTo(double end) const {
+  if (weight > end) return {};
+  CrossedEdge part = *this;
+  part.weight /= end;
+  part.second_weight = second_weight < end ? second_weight / end : std::numeric_limits<double>::infinity();
+  return part;
+}
+
+void Crossings::CrossedEdge::addSecond(const Hit& hit) {
+  if (hit.sign != -sign || isTwice() || std::max(alignment, hit.alignment) > kLargestAlignmentOfBend) return;
+  second_weight = std::max(weight, hit.weight);
+  if (hit.weight > weight) return;
+  weight = hit.weight;
+  sign = hit.sign;
 }
 
 int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
@@ -51,51 +108,120 @@ int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
 }
 
 void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tolerance) {
-  if (edges_.count(hit.edge)) return;
   const auto [a, b] = hit.edge;
   const auto snap_a = snaps_.find(a), snap_b = snaps_.find(b);
-
   const double across = hit.alignment * (mesh.restPosition(b) - mesh.restPosition(a)).norm();
-  const double to_a = hit.weight * across, to_b = (1 - hit.weight) * across;
-  if (snap_a != snaps_.end() && snap_b != snaps_.end() &&
-      std::max(to_a / mesh.localSize(a), to_b / mesh.localSize(b)) < kSlitThickness * snap_tolerance)
-    return;
-  const bool is_near_a = to_a < snap_tolerance * mesh.localSize(a);
-  const bool is_near_b = to_b < snap_tolerance * mesh.localSize(b);
-  if (is_near_a || is_near_b) {
-    const bool through_a = is_near_a && (!is_near_b || to_a <= to_b);
+  // Distances from the blade's surface, in snap distances.
+  const double to_a = hit.weight * across / (snap_tolerance * mesh.localSize(a));
+  const double to_b = (1 - hit.weight) * across / (snap_tolerance * mesh.localSize(b));
+  const bool is_near = to_a < 1 || to_b < 1;
+  const bool through_a = to_a < 1 && (to_b >= 1 || hit.weight <= 0.5);
+  const bool is_snapped = is_near && (through_a ? snap_a : snap_b) != snaps_.end();
+
+  bool is_grazed = false;
+  if (const auto former = edges_.find(hit.edge); former != edges_.end()) {
+    CrossedEdge& crossed = former->second;
+    if (crossed.last_time < time_) passCells(cellsAroundEdge(mesh, a, b));
+    crossed.last_time = time_;
+    if (isSettled(mesh, hit.edge, crossed)) {
+      if (isSamePlace(mesh, hit, crossed, snap_tolerance)) return;
+    } else {
+      is_grazed = is_near && !is_snapped && isGrazed(mesh, hit, crossed, snap_tolerance);
+      if (!is_grazed && !is_near && !isSamePlace(mesh, hit, crossed, snap_tolerance)) crossed.addSecond(hit);
+      if (!is_grazed) return;
+    }
+    edges_.erase(former);
+  }
+
+  if (snap_a != snaps_.end() && snap_b != snaps_.end()) {
+    // A settled slit is crossed by a surface at an angle to it, however short the edges are that the two
+    // sheets have in common.
+    const bool is_settled = isReleased(a) && isReleased(b);
+    const bool is_at_angle = is_settled && hit.alignment > kLargestAlignmentInSlit;
+    if ((is_near || !is_settled) && std::max(to_a, to_b) < (is_at_angle ? 1 : kSlitThickness)) return;
+  }
+  if (is_near) {
     const VertexId vertex = through_a ? a : b, other = through_a ? b : a;
     const int other_side = through_a ? hit.sign : -hit.sign;
-    const auto known = through_a ? snap_a : snap_b;
-    if (known == snaps_.end()) {
-      snap(mesh, vertex, -other_side);
-      snaps_[vertex].neighbours.emplace_back(other, other_side);
-    } else if (known->second.side != 0 && known->second.sideOfNeighbour(other) == known->second.side) {
-      known->second.neighbours.emplace_back(other, other_side);
+    if (is_snapped) {
+      addAtSnapped(mesh, vertex, other, other_side);
+    } else {
+      passCells(cellsAround(mesh, vertex));
+      snapAt(mesh, vertex, -other_side, time_);
+      snaps_[vertex].neighbours.emplace_back(other, is_grazed ? -other_side : other_side);
     }
     return;
   }
-  edges_[hit.edge] = {hit.weight, hit.sign, hit.alignment, time_};
-  putCellsAround(mesh, hit.edge);
-  if (snap_a != snaps_.end()) snap_a->second.neighbours.emplace_back(b, hit.sign);
-  if (snap_b != snaps_.end()) snap_b->second.neighbours.emplace_back(a, -hit.sign);
+  CrossedEdge& crossed = edges_[hit.edge];
+  crossed.weight = hit.weight;
+  crossed.sign = hit.sign;
+  crossed.alignment = hit.alignment;
+  crossed.time = crossed.last_time = time_;
+  passCells(cellsAroundEdge(mesh, a, b));
+  if (snap_a != snaps_.end() && !isReleased(a)) snap_a->second.neighbours.emplace_back(b, hit.sign);
+  if (snap_b != snaps_.end() && !isReleased(b)) snap_b->second.neighbours.emplace_back(a, -hit.sign);
+}
+
+void Crossings::addAtSnapped(const PolyhedralMesh& mesh, VertexId vertex, VertexId other, int other_side) {
+  Snap& snap = snaps_.at(vertex);
+  if (snap.last_time < time_) passCells(cellsAround(mesh, vertex));
+  snap.last_time = time_;
+  if (!isReleased(vertex)) {
+    if (snap.side != 0 && snap.sideOfNeighbour(other) == snap.side)
+      snap.neighbours.emplace_back(other, other_side);
+    return;
+  }
+  snap.again.emplace_back(other, other_side);
+  // An edge of the slit that leads away from the blade's surface: this sheet crosses the one that made it.
+  if (!isOnCut(other) || !isReleased(other)) return;
+  snap.neighbours = std::move(snap.again);
+  snap.again.clear();
+  snapAt(mesh, vertex, -other_side, time_);
+}
+
+bool Crossings::isOfEarlierPass(CellId cell, int last_time) const {
+  if (earlier_.empty()) return false;
+  const auto earlier = earlier_.find(cell);
+  return earlier != earlier_.end() && !earlier->second.is_counted && last_time <= earlier->second.until;
 }
 
 const Crossings::CrossedEdge* Crossings::find(CellId cell, Edge edge) const {
   const auto place = edges_.find(edge);
-  if (place == edges_.end()) return nullptr;
+  if (place == edges_.end() || isOfEarlierPass(cell, place->second.last_time)) return nullptr;
   const auto part = parts_.find(cell);
-  if (part != parts_.end() && place->second.time <= part->second.time &&
-      (part->second.settled.count(edge.first) || part->second.settled.count(edge.second))) {
-    return nullptr;  // crossed by the sheet that made the cap, which goes through the snapped corner instead
+  if (part == parts_.end()) return &place->second;
+  // Crossed by the sheet that made the cap, which goes through the snapped corner instead?
+  for (const VertexId end : {edge.first, edge.second}) {
+    const auto settled = part->second.settled.find(end);
+    if (settled != part->second.settled.end() && place->second.time <= settled->second) return nullptr;
   }
   return &place->second;
 }
 
+bool Crossings::isSettled(const PolyhedralMesh& mesh, Edge edge, const CrossedEdge& crossed) const {
+  const std::vector<CellId> around = cellsAroundEdge(mesh, edge.first, edge.second);
+  return std::all_of(around.begin(), around.end(), [&](CellId cell) {
+    const auto earlier = earlier_.find(cell);
+    return !find(cell, edge) || (earlier != earlier_.end() && crossed.time <= earlier->second.until);
+  });
+}
+
 bool Crossings::isSnapped(CellId cell, VertexId vertex) const {
-  if (!snaps_.count(vertex)) return false;
+  const auto snap = snaps_.find(vertex);
+  if (snap == snaps_.end() || isOfEarlierPass(cell, snap->second.last_time)) return false;
   const auto part = parts_.find(cell);
-  return part == parts_.end() || !part->second.settled.count(vertex);
+  if (part == parts_.end()) return true;
+  const auto settled = part->second.settled.find(vertex);
+  return settled == part->second.settled.end() || snap->second.time > settled->second;
+}
+
+void Crossings::countEarlierPasses(CellId cell, bool is_counted) {
+  const auto earlier = earlier_.find(cell);
+  if (earlier != earlier_.end()) earlier->second.is_counted = is_counted;
+}
+
+bool Crossings::canJoin(VertexId vertex) const {
+  return !isOnCut(vertex) || isReleased(vertex);
 }
 
 int Crossings::sideOfNeighbour(VertexId snapped, VertexId neighbour) const {
@@ -103,15 +229,28 @@ int Crossings::sideOfNeighbour(VertexId snapped, VertexId neighbour) const {
   return place == snaps_.end() ? 0 : place->second.sideOfNeighbour(neighbour);
 }
 
-void Crossings::snap(const PolyhedralMesh& mesh, VertexId vertex, int side) {
+void Crossings::snap(const PolyhedralMesh& mesh, VertexId vertex, int side, CellId cell) {
+  int time = 0;
+  for (const auto& [a, b] : mesh.edges(cell)) {
+    if (const CrossedEdge* crossed = find(cell, {a, b})) time = std::max(time, crossed->last_time);
+    for (const VertexId end : {a, b}) {
+      if (isSnapped(cell, end)) time = std::max(time, snaps_.at(end).last_time);
+    }
+  }
+  snapAt(mesh, vertex, side, time);
+}
+
+void Crossings::snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, int time) {
   Snap& snap = snaps_[vertex];
   snap.side = side;
+  snap.time = time_;
+  snap.last_time = time;
   open_vertices_.insert(vertex);
   for (const CellId cell : cellsAround(mesh, vertex)) cells_.insert(cell);
   for (const VertexId other : neighboursOf(mesh, vertex)) {
     const auto crossed = edges_.find(makeEdge(vertex, other));
     if (crossed == edges_.end()) continue;
-    snap.neighbours.emplace_back(other, other < vertex ? -crossed->second.sign : crossed->second.sign);
+    snap.neighbours.emplace_back(other, crossed->second.sideAt(other < vertex));
     edges_.erase(crossed);
   }
 }
@@ -122,37 +261,61 @@ void Crossings::snapNear(const PolyhedralMesh& mesh, VertexId vertex, double sna
     const auto crossed = edges_.find(makeEdge(vertex, other));
     if (crossed == edges_.end()) continue;
     const bool is_first = vertex < other;
-    const auto& [weight, sign, alignment, time] = crossed->second;
-    const double across = alignment * (mesh.restPosition(other) - mesh.restPosition(vertex)).norm();
-    if ((is_first ? weight : 1 - weight) * across >= snap_tolerance * mesh.localSize(vertex)) continue;
-    snap(mesh, vertex, is_first ? -sign : sign);
+    const CrossedEdge from_vertex = is_first ? crossed->second : crossed->second.reversed();
+    const double length = (mesh.restPosition(other) - mesh.restPosition(vertex)).norm();
+    if (from_vertex.weight * from_vertex.alignment * length >= snap_tolerance * mesh.localSize(vertex))
+      continue;
+    snapAt(mesh, vertex, from_vertex.sideAt(true), from_vertex.last_time);
     return;
   }
 }
 
 void Crossings::recordSplitEdge(const PolyhedralMesh& mesh, Edge edge, VertexId middle) {
-  const auto crossed = edges_.find(edge);
-  POLYSCALPEL_ASSERT(crossed != edges_.end());
-  const int sign = crossed->second.sign;
-  snaps_[middle].neighbours = {{edge.first, -sign}, {edge.second, sign}};
+  const auto place = edges_.find(edge);
+  POLYSCALPEL_ASSERT(place != edges_.end());
+  const CrossedEdge crossed = place->second;
+  edges_.erase(place);
+  const auto [a, b] = edge;
+  int sign = crossed.sign;
+  if (crossed.isTwice()) {
+    // The other crossing goes on with the part of the edge in which it lies, and counts for the cells that
+    // have just got the middle as the corner of a cap.
+    const double at = (mesh.restPosition(middle) - mesh.restPosition(a)).norm() /
+                      (mesh.restPosition(b) - mesh.restPosition(a)).norm();
+    const bool by_first = std::abs(at - crossed.weight) <= std::abs(at - crossed.second_weight);
+    CrossedEdge rest = by_first ? crossed.reversed() : crossed;
+    rest.second_weight = std::numeric_limits<double>::infinity();
+    rest.time = time_ + 1;
+    if (!by_first) sign = -sign;
+    const Edge part = makeEdge(by_first ? b : a, middle);
+    edges_[part] = *rest.upTo(std::max(rest.weight, by_first ? 1 - at : at));
+    putCellsAround(mesh, part);
+  }
+  snaps_[middle] = {0, crossed.time, crossed.last_time, {{a, -sign}, {b, sign}}, {}};
   open_vertices_.insert(middle);
   for (const CellId cell : cellsAround(mesh, middle)) cells_.insert(cell);
-  edges_.erase(crossed);
 }
 
 void Crossings::recordSplitCell(CellId cell, CellId first, CellId second,
                                 const std::vector<VertexId>& cap_vertices, int first_side) {
   Part part;
   if (const auto former = parts_.find(cell); former != parts_.end()) {
-    part.settled = former->second.settled;
+    part.settled = std::move(former->second.settled);
     parts_.erase(former);
   }
-  part.settled.insert(cap_vertices.begin(), cap_vertices.end());
-  part.time = time_;
+  for (const VertexId v : cap_vertices) part.settled[v] = time_;
   part.side = first_side;
   parts_[first] = part;
   part.side = -first_side;
   parts_[second] = std::move(part);
+  inheritPasses(cell, first);
+  inheritPasses(cell, second);
+}
+
+void Crossings::inheritPasses(CellId cell, CellId part) {
+  if (const auto taken = taken_.find(cell); taken != taken_.end()) taken_.emplace(part, int(taken->second));
+  if (const auto earlier = earlier_.find(cell); earlier != earlier_.end())
+    earlier_.emplace(part, Earlier(earlier->second));
 }
 
 int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) const {
@@ -173,8 +336,12 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
     for (const auto& [corner, other] : {std::make_pair(a, b), std::make_pair(b, a)}) {
       const auto snap = snaps_.find(corner);
       if (snap == snaps_.end()) continue;
+      if (isOfEarlierPass(cell, snap->second.last_time)) continue;
       own += snap->second.side;
-      if (isInFace(other) || isOnCut(other)) continue;
+      const auto other_snap = snaps_.find(other);
+      if (isInFace(other) ||
+          (other_snap != snaps_.end() && !isOfEarlierPass(cell, other_snap->second.last_time)))
+        continue;
       const int side = snap->second.sideOfNeighbour(other);
       votes[other].anywhere += side;
       if (isInFace(corner)) votes[other].at_face += side;
@@ -198,12 +365,19 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
 }
 
 bool Crossings::isInSlit(const Face& face) const {
-  return std::all_of(face.loop.begin(), face.loop.end(), [&](VertexId v) { return snaps_.count(v) > 0; });
+  return std::all_of(face.loop.begin(), face.loop.end(), [&](VertexId v) {
+    const auto snap = snaps_.find(v);
+    return snap != snaps_.end() && std::none_of(face.cells.begin(), face.cells.end(), [&](CellId cell) {
+             return isOfEarlierPass(cell, snap->second.last_time);
+           });
+  });
 }
 
 void Crossings::recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& origin, bool is_on_cut) {
   if (is_on_cut) {
-    snap(mesh, origin.vertex, 0);
+    snapBetween(origin);
+    open_vertices_.insert(origin.vertex);
+    for (const CellId cell : cellsAround(mesh, origin.vertex)) cells_.insert(cell);
     return;
   }
   const auto [a, b] = makeEdge(origin.parents[0], origin.parents[1]);
@@ -214,21 +388,28 @@ void Crossings::recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& o
     inheritNeighbour(b, a, origin.vertex);
     return;
   }
-  // Another cut has divided the edge; the crossing stays in the part where it was.
+  // Another cut has divided the edge; the crossing stays in the part where it was. The new vertex is the
+  // larger one, so the part at the second end runs against the edge.
   const double at = a == origin.parents[0] ? origin.weight : 1 - origin.weight;
-  inheritNeighbour(crossed->second.weight <= at ? a : b, crossed->second.weight <= at ? b : a, origin.vertex);
-  CrossedEdge moved = crossed->second;
-  if (moved.weight <= at) {
-    moved.weight /= at;
-    edges_.emplace(makeEdge(a, origin.vertex), moved);
-    putCellsAround(mesh, makeEdge(a, origin.vertex));
-  } else {
-    // The new vertex is the larger one, so the part runs against the edge.
-    moved.weight = 1 - (moved.weight - at) / (1 - at);
-    moved.sign = -moved.sign;
-    edges_.emplace(makeEdge(b, origin.vertex), moved);
-    putCellsAround(mesh, makeEdge(b, origin.vertex));
+  const CrossedEdge whole = crossed->second;
+  inheritNeighbour(whole.weight <= at ? a : b, whole.weight <= at ? b : a, origin.vertex);
+  const auto before = whole.upTo(at), after = whole.reversed().upTo(1 - at);
+  for (const auto& [end, part] : {std::pair(a, before), std::pair(b, after)}) {
+    if (!part) continue;
+    edges_.emplace(makeEdge(end, origin.vertex), *part);
+    putCellsAround(mesh, makeEdge(end, origin.vertex));
   }
+}
+
+void Crossings::snapBetween(const NewVertex& origin) {
+  Snap snap;
+  for (const VertexId parent : origin.parents) {
+    const auto place = snaps_.find(parent);
+    if (place == snaps_.end()) continue;
+    snap.time = std::max(snap.time, place->second.time);
+    snap.last_time = std::max(snap.last_time, place->second.last_time);
+  }
+  snaps_[origin.vertex] = std::move(snap);
 }
 
 void Crossings::inheritNeighbour(VertexId snapped, VertexId neighbour, VertexId heir) {
@@ -244,13 +425,15 @@ void Crossings::inheritNeighbour(VertexId snapped, VertexId neighbour, VertexId 
 
 void Crossings::recordOpenedEdge(const PolyhedralMesh& mesh, const std::vector<NewVertex>& new_vertices) {
   const NewVertex& middle = new_vertices.front();
-  snaps_[middle.vertex];
+  snapBetween(middle);
   for (const NewVertex& side : new_vertices) {
     for (const CellId cell : cellsAround(mesh, side.vertex)) {
       const auto part = parts_.find(cell);
       if (part == parts_.end()) continue;
       auto& settled = part->second.settled;
-      if (settled.count(middle.parents[0]) && settled.count(middle.parents[1])) settled.insert(middle.vertex);
+      const auto first = settled.find(middle.parents[0]), second = settled.find(middle.parents[1]);
+      if (first != settled.end() && second != settled.end())
+        settled[middle.vertex] = std::max(first->second, second->second);
     }
   }
 }
@@ -259,14 +442,17 @@ void Crossings::recordDividedCells(const MeshChange& change) {
   for (const NewCell& cell : change.new_cells) {
     const auto part = parts_.find(cell.parent);
     if (part != parts_.end()) parts_.emplace(cell.cell, Part(part->second));
+    inheritPasses(cell.parent, cell.cell);
     if (cells_.count(cell.parent)) cells_.insert(cell.cell);
   }
 }
 
 void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
-  for (const CellId id : change.removed_cells) parts_.erase(id);
-  for (const NewCell& cell : change.new_cells) {
-    if (cells_.count(cell.parent)) cells_.insert(cell.cell);
+  recordDividedCells(change);
+  for (const CellId id : change.removed_cells) {
+    parts_.erase(id);
+    taken_.erase(id);
+    earlier_.erase(id);
   }
 
   for (const NewVertex& origin : change.new_vertices) recordDividedEdge(mesh, origin, false);
@@ -303,17 +489,16 @@ void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
       const VertexId former_other = originalOf(other);
       if (const auto crossed = edges_.find(makeEdge(former, former_other)); crossed != edges_.end()) {
         CrossedEdge moved = crossed->second;
-        if ((former < former_other) != (copy < other)) {
-          moved.weight = 1 - moved.weight;
-          moved.sign = -moved.sign;
-        }
+        if ((former < former_other) != (copy < other)) moved = moved.reversed();
         edges_.emplace(makeEdge(copy, other), moved);
         putCellsAround(mesh, makeEdge(copy, other));
       }
     }
     for (const CellId cell : cellsAround(mesh, copy)) {
       const auto part = parts_.find(cell);
-      if (part != parts_.end() && part->second.settled.count(former)) part->second.settled.insert(copy);
+      if (part == parts_.end()) continue;
+      const auto settled = part->second.settled.find(former);
+      if (settled != part->second.settled.end()) part->second.settled.emplace(copy, int(settled->second));
     }
   }
   for (auto crossed = edges_.begin(); crossed != edges_.end();) {
@@ -331,12 +516,24 @@ std::vector<CellId> Crossings::takeCells(const PolyhedralMesh& mesh,
       cell = cells_.erase(cell);
     } else if (is_ready(*cell)) {
       taken.push_back(*cell);
+      taken_[*cell] = time_;
       cell = cells_.erase(cell);
     } else {
       ++cell;
     }
   }
+  if (!taken.empty()) ++time_;
   return taken;
+}
+
+void Crossings::passCells(const std::vector<CellId>& cells) {
+  for (const CellId cell : cells) {
+    cells_.insert(cell);
+    const auto taken = taken_.find(cell);
+    if (taken == taken_.end()) continue;
+    earlier_[cell] = {taken->second, false};
+    taken_.erase(taken);
+  }
 }
 
 void Crossings::putCellsAround(const PolyhedralMesh& mesh, Edge edge) {
@@ -347,6 +544,8 @@ void Crossings::clear() {
   edges_.clear();
   snaps_.clear();
   parts_.clear();
+  taken_.clear();
+  earlier_.clear();
   open_vertices_.clear();
   cells_.clear();
 }

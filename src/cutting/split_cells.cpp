@@ -101,16 +101,13 @@ class Splitter {
     while (!pending.empty()) {
       const CellId cell = pending.back();
       pending.pop_back();
-      auto components = findComponents(mesh(), crossings_, cell);
-      bool is_split = splitOff(cell, components, pending);
-      while (
-          !is_split && components.size() > 1 &&
-          (absorbHanging(cell, components) || absorbFlat(cell, components) || absorbThin(cell, components))) {
-        components = findComponents(mesh(), crossings_, cell);
-        is_split = splitOff(cell, components, pending);
+      Outcome outcome = splitAsCrossed(cell, pending);
+      if (outcome != Outcome::kSplit && crossings_.isPassedAgain(cell)) {
+        crossings_.countEarlierPasses(cell, true);
+        outcome = std::max(outcome, splitAsCrossed(cell, pending));
+        if (outcome != Outcome::kSplit) crossings_.countEarlierPasses(cell, false);
       }
-      if (is_split || components.size() < 2 || divideAcross(cell, components, pending)) continue;
-      counts.left_whole.push_back(cell);
+      if (outcome == Outcome::kLeftWhole) counts.left_whole.push_back(cell);
     }
   }
 
@@ -154,6 +151,23 @@ class Splitter {
 
  private:
   const PolyhedralMesh& mesh() const { return editor_.mesh(); }
+
+  enum class Outcome { kConnected, kLeftWhole, kSplit };
+
+  /// Splits a cell in two by what counts as crossed of it.
+  Outcome splitAsCrossed(CellId cell, std::vector<CellId>& parts) {
+    auto components = findComponents(mesh(), crossings_, cell);
+    bool is_split = splitOff(cell, components, parts);
+    while (
+        !is_split && components.size() > 1 &&
+        (absorbHanging(cell, components) || absorbFlat(cell, components) || absorbThin(cell, components))) {
+      components = findComponents(mesh(), crossings_, cell);
+      is_split = splitOff(cell, components, parts);
+    }
+    if (is_split) return Outcome::kSplit;
+    if (components.size() < 2) return Outcome::kConnected;
+    return divideAcross(cell, components, parts) ? Outcome::kSplit : Outcome::kLeftWhole;
+  }
 
   bool splitOff(CellId cell, const std::vector<std::vector<VertexId>>& components,
                 std::vector<CellId>& parts) {
@@ -218,7 +232,7 @@ class Splitter {
     for (std::size_t attempt = 0; attempt < 2 * components.size(); ++attempt) {
       const std::size_t savepoint = editor_.savepoint();
       CellSplit split(editor_, crossings_, cell, components[attempt / 2]);
-      if (!split.findBorder()) {
+      if (!split.findBorder() || hasDoubledEdge(cell)) {
         editor_.rollBackTo(savepoint);
         continue;
       }
@@ -261,6 +275,13 @@ class Splitter {
     return false;
   }
 
+  /// Whether chords have cut flat faces off the two at an edge in which vertices hang: the chords then join
+  /// the same two vertices.
+  bool hasDoubledEdge(CellId cell) const {
+    const auto edges = mesh().edges(cell);  // ascending
+    return std::adjacent_find(edges.begin(), edges.end()) != edges.end();
+  }
+
   /// Hits of a cell's edges, in rest shape, on the plane through the middle of a border and across one of its
   /// principal axes (2: the longest).
   std::vector<Hit> hitsAcross(CellId cell, const std::vector<VertexId>& loop, int axis) const {
@@ -282,8 +303,7 @@ class Splitter {
 
   /// Whether a component could join the cut: none of it lies on the cut already, for other cells.
   bool canJoin(const std::vector<VertexId>& component) const {
-    return std::none_of(component.begin(), component.end(),
-                        [&](VertexId v) { return crossings_.isOnCut(v); });
+    return std::all_of(component.begin(), component.end(), [&](VertexId v) { return crossings_.canJoin(v); });
   }
 
   /// Lets the first component join the cut that consists of vertices hanging in an edge between two corners
@@ -307,7 +327,7 @@ class Splitter {
         sides.emplace_back(v, side);
       }
       if (sides.size() != component.size()) continue;
-      for (const auto& [v, side] : sides) crossings_.snap(mesh(), v, side);
+      for (const auto& [v, side] : sides) crossings_.snap(mesh(), v, side, cell);
       return true;
     }
     return false;
@@ -336,7 +356,7 @@ class Splitter {
                kAbsorbDistance * snap_tolerance_ * mesh().localSize(v);
       });
       if (!is_flat) continue;
-      for (const VertexId v : component) crossings_.snap(mesh(), v, side);
+      for (const VertexId v : component) crossings_.snap(mesh(), v, side, cell);
       return true;
     }
     return false;
@@ -353,7 +373,7 @@ class Splitter {
         if (side) sides.emplace_back(v, *side);
       }
       if (sides.size() != component.size()) continue;
-      for (const auto& [v, side] : sides) crossings_.snap(mesh(), v, side);
+      for (const auto& [v, side] : sides) crossings_.snap(mesh(), v, side, cell);
       return true;
     }
     return false;
@@ -368,8 +388,8 @@ class Splitter {
       const VertexId other = a == v ? b : a;
       const double length = (mesh().restPosition(b) - mesh().restPosition(a)).norm();
       if (const auto* crossed = crossings_.find(cell, {a, b})) {
-        if (length * (a == v ? crossed->weight : 1 - crossed->weight) < reach)
-          side = a == v ? -crossed->sign : crossed->sign;
+        const double weight = crossed->weightAt(a == v);
+        if (length * (a == v ? weight : 1 - weight) < reach) side = crossed->sideAt(a == v);
       } else if (!side && crossings_.isSnapped(cell, other) && length < reach) {
         side = crossings_.sideOfNeighbour(other, v);
       }

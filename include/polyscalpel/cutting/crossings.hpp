@@ -4,12 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
+#include <optional>
 #include <set>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
-#include <boost/container/flat_set.hpp>
+#include <boost/container/flat_map.hpp>
 
 #include "polyscalpel/mesh/mesh_change.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
@@ -43,37 +45,73 @@ struct Hit {
 /// vertex is crossed by a surface that passes the vertex nearer than snap_tolerance * localSize, at right
 /// angles to the surface, the crossing goes through the vertex: it is "snapped" in all cells around. So all
 /// edges of a vertex agree, and no layer thinner than that is left between the two.
+///
+/// A stroke may cross its own slit. A cell that the blade has left is settled: what the blade crosses of it
+/// from then on is another pass, which counts first for itself, and together with the earlier ones only where
+/// it alone does not disconnect the cell. A vertex of the slit through which the blade goes once more is
+/// snapped anew where an edge within the slit shows that the two sheets cross there; where they lie on each
+/// other, the blade is drawn back through its own slit and makes nothing new.
 class Crossings {
  public:
-  /// A crossed edge. side of edge.first is -sign, of edge.second +sign.
+  /// A crossed edge.
   struct CrossedEdge {
     double weight = 0;
-    int sign = 0;
+    int sign = 0;          ///< as in Hit, at weight
     double alignment = 1;  ///< as in Hit
-    int time = 0;
+    int time = 0;          ///< of the hit
+    int last_time = 0;     ///< when the blade was last here
+    /// Where a bent surface comes back through the edge, > weight; infinite: nowhere.
+    double second_weight = std::numeric_limits<double>::infinity();
+
+    bool isTwice() const { return second_weight < 1; }
+    /// Where a cut goes that parts the edge's first end from the rest, or its second end.
+    double weightAt(bool is_first) const { return is_first || !isTwice() ? weight : second_weight; }
+    /// Side of the blade's surface on which the edge's first end lies, or its second end.
+    int sideAt(bool is_first) const { return is_first || isTwice() ? -sign : sign; }
+    /// Takes a further hit, elsewhere on the edge, for the second one if the surface comes back there.
+    void addSecond(const Hit& hit);
+    /// The same seen from the edge's other end.
+    CrossedEdge reversed() const;
+    /// What lies on the part of the edge up to `end`; nothing where none does.
+    std::optional<CrossedEdge> upTo(double end) const;
   };
 
-  /// Remembers a hit; the first one on an edge wins. Dropped: a hit within the snap distance of the slit that
-  /// this stroke has just made, and one on an edge that lies in the slit.
+  /// Remembers a hit; the first one on an edge wins, until the blade has left all cells around it and comes
+  /// back elsewhere on the edge. Dropped: a hit within the snap distance of the slit that this stroke has
+  /// just made, and one on an edge that lies in the slit, but not where the stroke crosses the slit.
   void add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tolerance);
 
   /// The crossing of a cell's edge, nullptr where there is none that counts for this cell.
   const CrossedEdge* find(CellId cell, Edge edge) const;
 
   /// Whether the blade's surface goes through the vertex, for this cell. A cell that the stroke has split
-  /// does not count the corners of its own cap, so that a blade which turns back can split it once more.
+  /// does not count the corners of its own cap, so that a blade which turns back can split it once more, but
+  /// those that it has snapped anew since.
   bool isSnapped(CellId cell, VertexId vertex) const;
 
   /// Whether the vertex lies on the blade's surface: snapped to it, or made on it.
   bool isOnCut(VertexId vertex) const { return snaps_.count(vertex) > 0; }
 
+  /// Whether the blade has crossed something of the cell once it had left it before.
+  bool isPassedAgain(CellId cell) const { return earlier_.count(cell) > 0; }
+
+  /// Has find() and isSnapped() count, for this cell, what the blade crossed before it had last left it.
+  void countEarlierPasses(CellId cell, bool is_counted);
+
+  /// Whether the vertex could join the cut: it is not on it, or on a sheet that is settled all around it.
+  bool canJoin(VertexId vertex) const;
+
   /// Side of the blade's surface on which a vertex lies that an edge joins to a snapped one; 0 where that is
   /// not known.
   int sideOfNeighbour(VertexId snapped, VertexId neighbour) const;
 
-  /// Moves the crossings at a vertex into the vertex. side: that on which it lies, +1 or -1, or 0 where that
-  /// is not known.
-  void snap(const PolyhedralMesh& mesh, VertexId vertex, int side);
+  /// Moves the crossings at a vertex into the vertex, as the blade passes it now. side: that on which it lies,
+  /// +1 or -1, or 0 where that is not known.
+  void snap(const PolyhedralMesh& mesh, VertexId vertex, int side) { snapAt(mesh, vertex, side, time_); }
+
+  /// The same for a vertex that joins the cut in a cell: it is of the same pass as the latest of what that
+  /// cell counts.
+  void snap(const PolyhedralMesh& mesh, VertexId vertex, int side, CellId cell);
 
   /// Snaps a vertex that another cut has made, where an edge of it is crossed within the snap distance.
   void snapNear(const PolyhedralMesh& mesh, VertexId vertex, double snap_tolerance);
@@ -101,7 +139,7 @@ class Crossings {
   /// were before they were snapped.
   int sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face) const;
 
-  /// Whether all corners of the face are snapped.
+  /// Whether all corners of the face are snapped, by the same pass of the blade for each of its cells.
   bool isInSlit(const Face& face) const;
 
   /// Follows a commit: copies of vertices are crossed and snapped as the originals are; crossings of edges
@@ -128,22 +166,44 @@ class Crossings {
   /// Has a vertex on the way from a snapped one to a neighbour lie on the neighbour's side.
   void inheritNeighbour(VertexId snapped, VertexId neighbour, VertexId heir);
   void putCellsAround(const PolyhedralMesh& mesh, Edge edge);
+  /// As putCellsAround(), for a hit: a cell that the blade had left begins another pass.
+  void passCells(const std::vector<CellId>& cells);
+  /// Has the part of a cell be passed as the cell was.
+  void inheritPasses(CellId cell, CellId part);
+  /// Snaps a vertex made between two snapped ones.
+  void snapBetween(const NewVertex& origin);
+  void snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, int time);
+  /// A hit nearer than the snap distance to a vertex that is snapped already.
+  void addAtSnapped(const PolyhedralMesh& mesh, VertexId vertex, VertexId other, int other_side);
+  bool isOfEarlierPass(CellId cell, int last_time) const;
+  /// Whether the blade has left all cells around a vertex of the slit and what was to open there is open.
+  bool isReleased(VertexId vertex) const { return open_vertices_.count(vertex) == 0; }
+  /// Whether a crossing counts for no cell around its edge.
+  bool isSettled(const PolyhedralMesh& mesh, Edge edge, const CrossedEdge& crossed) const;
 
   struct Snap {
-    int side = 0;  ///< of the vertex; 0 for one made on the blade's surface
+    int side = 0;       ///< of the vertex; 0 for one made on the blade's surface
+    int time = 0;       ///< when the blade's surface came to go through it
+    int last_time = 0;  ///< when the blade was last here
     std::vector<std::pair<VertexId, int>>
-        neighbours;  ///< sides of vertices at the other end of crossed edges
+        neighbours;                               ///< sides of vertices at the other end of crossed edges
+    std::vector<std::pair<VertexId, int>> again;  ///< the same as the blade comes back, released before
     int sideOfNeighbour(VertexId neighbour) const;
   };
   struct Part {
     int side = 0;
-    int time = 0;                                  ///< of the split
-    boost::container::flat_set<VertexId> settled;  ///< corners of its caps
+    boost::container::flat_map<VertexId, int> settled;  ///< corners of its caps, and when they became that
+  };
+  struct Earlier {
+    int until = 0;  ///< when the blade had last left the cell
+    bool is_counted = false;
   };
 
   std::unordered_map<Edge, CrossedEdge, EdgeHash> edges_;
   std::unordered_map<VertexId, Snap> snaps_;
   std::unordered_map<CellId, Part> parts_;
+  std::unordered_map<CellId, int> taken_;        ///< when the cells that the blade has left were taken
+  std::unordered_map<CellId, Earlier> earlier_;  ///< passes, of cells to which the blade has come back
   std::set<VertexId> open_vertices_;
   std::set<CellId> cells_;  ///< to be looked at
   int time_ = 0;
