@@ -52,7 +52,7 @@ bool CellSplit::splitCrossedEdges() {
   for (const Edge& edge : mesh().edges(cell_)) {
     const bool first_in = isInComponent(edge.first), second_in = isInComponent(edge.second);
     if (first_in == second_in || isOnCut(first_in ? edge.second : edge.first)) continue;
-    const Crossings::CrossedEdge* crossed = crossings_.find(cell_, edge);
+    const CrossedEdge* crossed = crossings_.find(cell_, edge);
     POLYSCALPEL_ASSERT(crossed);
     // A vertex on an edge that is shut between two walls of a slit would join what nothing else joins.
     if (numFansAroundEdge(mesh(), edge.first, edge.second) > 1) return false;

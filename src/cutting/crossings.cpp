@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
-
-#include <boost/container/flat_map.hpp>
 
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/mesh/mesh_editing.hpp"
@@ -27,11 +26,6 @@ constexpr double kSmallestHeight = 1e-6;
 /// than the slit is thick, may lie in the blade's surface.
 constexpr double kLargestAlignmentInSlit = 0.5;
 
-/// A bent surface that comes back through an edge meets it at a flat angle. One that comes back with a larger
-/// |cos| of the angle between edge and normal is folded, more narrowly than the cells tell: the first
-/// crossing stands for the fold.
-constexpr double kLargestAlignmentOfBend = 0.5;
-
 /// Vertices joined to `vertex` by an edge.
 std::vector<VertexId> neighboursOf(const PolyhedralMesh& mesh, VertexId vertex) {
   std::vector<VertexId> neighbours;
@@ -47,7 +41,7 @@ std::vector<VertexId> neighboursOf(const PolyhedralMesh& mesh, VertexId vertex) 
 }
 
 /// Length of the way along a hit's edge to where it is crossed already, in snap distances.
-double wayToFormer(const PolyhedralMesh& mesh, const Hit& hit, const Crossings::CrossedEdge& crossed,
+double wayToFormer(const PolyhedralMesh& mesh, const Hit& hit, const CrossedEdge& crossed,
                    double snap_tolerance) {
   const auto [a, b] = hit.edge;
   const double part =
@@ -57,48 +51,19 @@ double wayToFormer(const PolyhedralMesh& mesh, const Hit& hit, const Crossings::
 }
 
 /// Whether a hit lies on the sheet that has crossed its edge already.
-bool isSamePlace(const PolyhedralMesh& mesh, const Hit& hit, const Crossings::CrossedEdge& crossed,
+bool isSamePlace(const PolyhedralMesh& mesh, const Hit& hit, const CrossedEdge& crossed,
                  double snap_tolerance) {
   return hit.alignment * wayToFormer(mesh, hit, crossed, snap_tolerance) < 1;
 }
 
 /// Whether a bent surface comes back through an edge that it grazes: within the snap distance of where it
 /// was, but elsewhere on the edge. Both ends lie on one side of it, so it is to go through the near one.
-bool isGrazed(const PolyhedralMesh& mesh, const Hit& hit, const Crossings::CrossedEdge& crossed,
-              double snap_tolerance) {
+bool isGrazed(const PolyhedralMesh& mesh, const Hit& hit, const CrossedEdge& crossed, double snap_tolerance) {
   return hit.sign == -crossed.sign && isSamePlace(mesh, hit, crossed, snap_tolerance) &&
          wayToFormer(mesh, hit, crossed, snap_tolerance) > 1;
 }
 
 }  // namespace
-
-Edge makeEdge(VertexId a, VertexId b) {
-  return a < b ? Edge{a, b} : Edge{b, a};
-}
-
-Crossings::CrossedEdge Crossings::CrossedEdge::reversed() const {
-  CrossedEdge other = *this;
-  other.weight = 1 - weightAt(false);
-  other.sign = -sideAt(false);
-  if (isTwice()) other.second_weight = 1 - weight;
-  return other;
-}
-
-std::optional<Crossings::CrossedEdge> Crossings::CrossedEdge::upTo(double end) const {
-  if (weight > end) return {};
-  CrossedEdge part = *this;
-  part.weight /= end;
-  part.second_weight = second_weight < end ? second_weight / end : std::numeric_limits<double>::infinity();
-  return part;
-}
-
-void Crossings::CrossedEdge::addSecond(const Hit& hit) {
-  if (hit.sign != -sign || isTwice() || std::max(alignment, hit.alignment) > kLargestAlignmentOfBend) return;
-  second_weight = std::max(weight, hit.weight);
-  if (hit.weight > weight) return;
-  weight = hit.weight;
-  sign = hit.sign;
-}
 
 int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
   for (const auto& [vertex, neighbour_side] : neighbours) {
@@ -185,7 +150,7 @@ bool Crossings::isOfEarlierPass(CellId cell, int last_time) const {
   return earlier != earlier_.end() && !earlier->second.is_counted && last_time <= earlier->second.until;
 }
 
-const Crossings::CrossedEdge* Crossings::find(CellId cell, Edge edge) const {
+const CrossedEdge* Crossings::find(CellId cell, Edge edge) const {
   const auto place = edges_.find(edge);
   if (place == edges_.end() || isOfEarlierPass(cell, place->second.last_time)) return nullptr;
   const auto part = parts_.find(cell);

@@ -12,7 +12,7 @@
 
 #include <Eigen/Geometry>
 
-#include "polyscalpel/cutting/crossings.hpp"
+#include "polyscalpel/cutting/crossed_edge.hpp"
 #include "polyscalpel/cutting/cut_mesh.hpp"
 #include "polyscalpel/mesh/cell_tree.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"

@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "polyscalpel/cutting/crossings.hpp"
+#include "polyscalpel/cutting/crossed_edge.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
 
 namespace polyscalpel {

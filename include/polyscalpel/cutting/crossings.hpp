@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <functional>
-#include <limits>
-#include <optional>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -13,33 +9,11 @@
 
 #include <boost/container/flat_map.hpp>
 
+#include "polyscalpel/cutting/crossed_edge.hpp"
 #include "polyscalpel/mesh/mesh_change.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
 
 namespace polyscalpel {
-
-/// An edge of the mesh as (smaller id, larger id).
-using Edge = std::pair<VertexId, VertexId>;
-
-Edge makeEdge(VertexId a, VertexId b);
-
-struct EdgeHash {
-  std::size_t operator()(const Edge& edge) const noexcept {
-    // Ids are dense: an odd factor spreads them over the buckets.
-    const auto first = static_cast<std::uint64_t>(edge.first.index());
-    return static_cast<std::size_t>(
-        (first << 32 | static_cast<std::uint64_t>(edge.second.index())) * 0x9E3779B97F4A7C15u >> 16);
-  }
-};
-
-/// The blade's surface through an edge.
-struct Hit {
-  Edge edge;
-  double weight = 0;  ///< where, from edge.first (0) to edge.second (1); the same in rest and deformed shape
-  int sign =
-      0;  ///< +1: edge.first lies behind the blade's surface and edge.second before it; -1: the reverse
-  double alignment = 1;  ///< |cos| of the angle between the edge and the normal of the blade's surface
-};
 
 /// What one stroke of one blade has crossed and not yet split, and what it has split. Where an edge of a
 /// vertex is crossed by a surface that passes the vertex nearer than snap_tolerance * localSize, at right
@@ -53,29 +27,6 @@ struct Hit {
 /// other, the blade is drawn back through its own slit and makes nothing new.
 class Crossings {
  public:
-  /// A crossed edge.
-  struct CrossedEdge {
-    double weight = 0;
-    int sign = 0;          ///< as in Hit, at weight
-    double alignment = 1;  ///< as in Hit
-    int time = 0;          ///< of the hit
-    int last_time = 0;     ///< when the blade was last here
-    /// Where a bent surface comes back through the edge, > weight; infinite: nowhere.
-    double second_weight = std::numeric_limits<double>::infinity();
-
-    bool isTwice() const { return second_weight < 1; }
-    /// Where a cut goes that parts the edge's first end from the rest, or its second end.
-    double weightAt(bool is_first) const { return is_first || !isTwice() ? weight : second_weight; }
-    /// Side of the blade's surface on which the edge's first end lies, or its second end.
-    int sideAt(bool is_first) const { return is_first || isTwice() ? -sign : sign; }
-    /// Takes a further hit, elsewhere on the edge, for the second one if the surface comes back there.
-    void addSecond(const Hit& hit);
-    /// The same seen from the edge's other end.
-    CrossedEdge reversed() const;
-    /// What lies on the part of the edge up to `end`; nothing where none does.
-    std::optional<CrossedEdge> upTo(double end) const;
-  };
-
   /// Remembers a hit; the first one on an edge wins, until the blade has left all cells around it and comes
   /// back elsewhere on the edge. Dropped: a hit within the snap distance of the slit that this stroke has
   /// just made, and one on an edge that lies in the slit, but not where the stroke crosses the slit.
@@ -105,8 +56,8 @@ class Crossings {
   /// not known.
   int sideOfNeighbour(VertexId snapped, VertexId neighbour) const;
 
-  /// Moves the crossings at a vertex into the vertex, as the blade passes it now. side: that on which it lies,
-  /// +1 or -1, or 0 where that is not known.
+  /// Moves the crossings at a vertex into the vertex, as the blade passes it now. side: that on which it
+  /// lies, +1 or -1, or 0 where that is not known.
   void snap(const PolyhedralMesh& mesh, VertexId vertex, int side) { snapAt(mesh, vertex, side, time_); }
 
   /// The same for a vertex that joins the cut in a cell: it is of the same pass as the latest of what that

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "polyscalpel/cutting/crossings.hpp"
+#include "polyscalpel/cutting/crossed_edge.hpp"
 
 namespace polyscalpel {
 
