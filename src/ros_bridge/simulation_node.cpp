@@ -182,8 +182,8 @@ bool SimulationNode::onCut(Cut::Request& request, Cut::Response& response) {
 }
 
 void SimulationNode::makeCuts(const std::vector<CutOperation>& operations, Cut::Response& response) {
-  const CutEvent event = simulation_.cutAll(operations);
-  const CutResult& result = event.result;
+  const CutReport report = simulation_.cutAll(operations);
+  const CutResult& result = report.result;
   response.message = result.message;
   response.cells_left_whole = result.cells_left_whole;
   response.success = result.status == CutStatus::kCut;
@@ -191,22 +191,21 @@ void SimulationNode::makeCuts(const std::vector<CutOperation>& operations, Cut::
   response.cuts = result.num_cuts;
   response.cells_split = result.cells_split;
   response.cut_area_m2 = result.cut_area_m2;
-  response.debris_pieces = event.debris.num_pieces;
-  response.debris_volume_m3 = event.debris.volume_m3;
-  publishCut(event, stateStamp());
+  response.debris_pieces = report.debris.num_pieces;
+  response.debris_volume_m3 = report.debris.volume_m3;
+  publishCut(report, stateStamp());
   cut_event_publisher_.noteFaces(simulation_.mesh());
 }
 
-void SimulationNode::publishCut(const CutEvent& event, const ros::Time& stamp) {
-  const std::string source = event.cause == CutCause::kFracture ? "fracture"
-                             : event.cause == CutCause::kRequest
+void SimulationNode::publishCut(const CutReport& report, const ros::Time& stamp) {
+  const std::string source = report.cause == CutCause::kFracture ? "fracture"
+                             : report.cause == CutCause::kRequest
                                  ? "service"
-                                 : parameters_.simulation.tools[static_cast<std::size_t>(event.tool)].name;
-  cut_event_publisher_.publish({event.result, event.balance, event.debris, event.pieces}, simulation_.mesh(),
-                               source, stamp, simulation_.time_s());
-  if (event.debris.num_pieces > 0)
-    ROS_INFO("%d pieces of %.3g ml in all are taken away as debris", event.debris.num_pieces,
-             event.debris.volume_m3 * 1e6);
+                                 : parameters_.simulation.tools[static_cast<std::size_t>(report.tool)].name;
+  cut_event_publisher_.publish(report, simulation_.mesh(), source, stamp, simulation_.time_s());
+  if (report.debris.num_pieces > 0)
+    ROS_INFO("%d pieces of %.3g ml in all are taken away as debris", report.debris.num_pieces,
+             report.debris.volume_m3 * 1e6);
 }
 
 bool SimulationNode::onSetPaused(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
@@ -352,7 +351,7 @@ void SimulationNode::step(const ToolPoses& T_world_tool, const ros::Time& stamp)
     tool.refusal = report.tools[i].refusal;
     if (!tool.refusal.empty()) ROS_WARN("tool %s: not cut: %s", tool.name.c_str(), tool.refusal.c_str());
   }
-  for (const CutEvent& cut : report.cuts) publishCut(cut, stamp);
+  for (const CutReport& cut : report.cuts) publishCut(cut, stamp);
   if (!report.cuts.empty()) {
     body_counter_.topologyChanged();
     cut_event_publisher_.noteFaces(simulation_.mesh());

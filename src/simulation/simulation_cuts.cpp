@@ -53,19 +53,19 @@ Debris Simulation::Impl::removeDebris() {
   return removed;
 }
 
-CutEvent Simulation::Impl::followCut(CutCause cause, int tool, CutResult result) {
-  CutEvent event;
-  event.cause = cause;
-  event.tool = tool;
+CutReport Simulation::Impl::followCut(CutCause cause, int tool, CutResult result) {
+  CutReport report;
+  report.cause = cause;
+  report.tool = tool;
   const CutLedger ledger(state, *assembly, result.change, isDynamic());
   followChange(tool, result.change);
-  event.balance = ledger.settle(mesh, result.change, *assembly, state);
+  report.balance = ledger.settle(mesh, result.change, *assembly, state);
   num_cuts = std::max(num_cuts, result.cut + result.num_cuts - 1);
   if (cause != CutCause::kFracture) cells_left_whole += result.cells_left_whole;
-  event.debris = removeDebris();
-  event.pieces = piece_table;
-  event.result = std::move(result);
-  return event;
+  report.debris = removeDebris();
+  report.pieces = piece_table;
+  report.result = std::move(result);
+  return report;
 }
 
 void Simulation::Impl::commit(int tool, CutResult result, Eigen::Matrix3Xd* positions_start,
@@ -204,17 +204,17 @@ CutResult Simulation::cut(const CutOperation& operation) {
   return cutAll({operation}).result;
 }
 
-CutEvent Simulation::cutAll(const std::vector<CutOperation>& operations) {
+CutReport Simulation::cutAll(const std::vector<CutOperation>& operations) {
   Impl& s = *impl_;
   if (!s.config.cutting) throw std::invalid_argument("cut: the scene is built without cutting");
   s.index.tree.fit(s.mesh, s.state.positions);
   CutResult result =
       cutMesh(s.mesh, s.state.positions, operations, *s.config.cutting, s.num_cuts + 1, &s.index);
   if (result.status == CutStatus::kCut) return s.followCut(CutCause::kRequest, -1, std::move(result));
-  CutEvent event;
-  event.result = std::move(result);
-  event.pieces = s.piece_table;
-  return event;
+  CutReport report;
+  report.result = std::move(result);
+  report.pieces = s.piece_table;
+  return report;
 }
 
 }  // namespace polyscalpel

@@ -88,7 +88,7 @@ struct Simulation::Impl {
   void growCracks(StepReport& report);
   void commit(int tool, CutResult result, Eigen::Matrix3Xd* positions_start, StepReport& report);
   void followChange(int tool, const MeshChange& change);
-  CutEvent followCut(CutCause cause, int tool, CutResult result);
+  CutReport followCut(CutCause cause, int tool, CutResult result);
   Debris removeDebris();
   bool comesToRest(Tool& tool) const;
   Eigen::Vector3d cuttingResistance(int tool, const CutResult& result, int faces_before,

@@ -54,7 +54,7 @@ TEST(PieceTable, TellsVolumeAndMassOfEveryPiece) {
   Simulation simulation(config);
   expectSoundTable(simulation);
   EXPECT_NEAR(simulation.pieceTable().front().volume_m3, 5e-4, 1e-16);
-  const CutEvent event =
+  const CutReport event =
       simulation.cutAll({PlaneCut{{0.03, 0, 0}, {1, 0, 0}}, PlaneCut{{0, 0, 0.04}, {0, 0, 1}}});
   ASSERT_EQ(event.result.status, CutStatus::kCut) << event.result.message;
   EXPECT_EQ(simulation.numCuts(), 2);
@@ -79,7 +79,7 @@ TEST(PieceTable, ACutIsInheritedByItsChildren) {
   Simulation simulation(config);
   const double mass = simulation.pieceTable().front().mass_kg;
   EXPECT_NEAR(mass, 2 * kDensity * 5e-4, 1e-12 * mass);
-  const CutEvent event = simulation.cutAll({PlaneCut{{0.05, 0.043, 0.02}, {0.2, 1, 0.3}}});
+  const CutReport event = simulation.cutAll({PlaneCut{{0.05, 0.043, 0.02}, {0.2, 1, 0.3}}});
   ASSERT_EQ(event.result.status, CutStatus::kCut);
   double sum = 0;
   for (const PieceProperties& piece : event.pieces) sum += piece.mass_kg;
@@ -109,7 +109,7 @@ TEST(Debris, SmallPiecesGoAndTheRestGoesOnAsIfTheyHadNotBeen) {
   for (const bool tetrahedra : {false, true}) {
     Simulation simulation(debrisScene(tetrahedra));
     for (int step = 0; step < 30; ++step) simulation.step({pressingPose(step), std::nullopt});
-    const CutEvent event = simulation.cutAll({PlaneCut{{0.095, 0, 0}, {1, 0, 0}}});  // 5 % of the block
+    const CutReport event = simulation.cutAll({PlaneCut{{0.095, 0, 0}, {1, 0, 0}}});  // 5 % of the block
     ASSERT_EQ(event.result.status, CutStatus::kCut) << event.result.message;
     EXPECT_EQ(event.result.pieces_after, 2);
     EXPECT_EQ(event.debris.num_pieces, 1);
@@ -157,7 +157,7 @@ TEST(Debris, MayFallFromABladeInTheMiddleOfAStroke) {
     const StepReport report = simulation.step({cuttingPose(step), lower});
     ASSERT_TRUE(report.converged) << report.message;
     ASSERT_TRUE(checkMesh(simulation.mesh()).empty()) << checkMesh(simulation.mesh()).front();
-    for (const CutEvent& event : report.cuts) events += event.debris.num_pieces;
+    for (const CutReport& event : report.cuts) events += event.debris.num_pieces;
   }
   EXPECT_EQ(events, 1);
   EXPECT_EQ(simulation.debris().num_pieces, 1);
@@ -172,7 +172,7 @@ TEST(Debris, IsKeptByDefaultAndTheLargestPieceAlways) {
   EXPECT_EQ(keeping.debris().num_pieces, 0);
   config.cutting->debris_volume_m3 = 1;
   Simulation greedy(config);
-  const CutEvent event =
+  const CutReport event =
       greedy.cutAll({PlaneCut{{0.06, 0, 0}, {1, 0, 0}}, PlaneCut{{0, 0.05, 0}, {0, 1, 0}}});
   EXPECT_EQ(event.debris.num_pieces, 3);
   ASSERT_EQ(greedy.pieceTable().size(), 1u);

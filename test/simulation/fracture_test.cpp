@@ -75,7 +75,7 @@ Outcome run(Simulation& simulation, int steps) {
     EXPECT_TRUE(report.converged) << report.message;
     EXPECT_GT(report.times.fracture_s, 0);
     outcome.was_limited |= report.fracture_limited;
-    for (const CutEvent& event : report.cuts) {
+    for (const CutReport& event : report.cuts) {
       EXPECT_EQ(event.cause, CutCause::kFracture);
       EXPECT_EQ(event.tool, -1);
       EXPECT_EQ(event.result.status, CutStatus::kCut);
@@ -276,7 +276,8 @@ TEST(Fracture, CracksRunWhileABladeCutsTheSameCells) {
       const StepReport report = simulation.step({poseAt({-0.01 + 3e-3 * step, 0.01, 0.049})});
       ASSERT_TRUE(report.converged) << report.message;
       ASSERT_TRUE(checkMesh(simulation.mesh()).empty()) << checkMesh(simulation.mesh()).front();
-      for (const CutEvent& event : report.cuts) ++(event.cause == CutCause::kFracture ? by_stress : by_blade);
+      for (const CutReport& event : report.cuts)
+        ++(event.cause == CutCause::kFracture ? by_stress : by_blade);
     }
     EXPECT_GT(by_blade, 0);
     EXPECT_GT(by_stress, 0);

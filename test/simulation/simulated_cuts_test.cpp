@@ -34,7 +34,7 @@ TEST(SimulatedCuts, ABladeDrawnThroughLeavesTwoPieces) {
       EXPECT_EQ(simulation.numPending(0), report.tools[0].pending_crossings);
       ASSERT_EQ(simulation.pendingPoints(0).cols(), simulation.numPending(0));
       most_pending = std::max(most_pending, simulation.numPending(0));
-      for (const CutEvent& event : report.cuts) {
+      for (const CutReport& event : report.cuts) {
         EXPECT_EQ(event.tool, 0);
         EXPECT_EQ(event.result.status, CutStatus::kCut);
         EXPECT_EQ(event.result.cut, 1) << "one stroke keeps its number";
@@ -118,7 +118,7 @@ TEST(SimulatedCuts, ResistanceDoesTheWorkOfFracture) {
     } else {
       EXPECT_LT(force.x(), 0);  // against the motion
     }
-    for (const CutEvent& event : report.cuts) area += event.result.cut_area_m2;
+    for (const CutReport& event : report.cuts) area += event.result.cut_area_m2;
   }
   EXPECT_NEAR(area, 0.1 * 0.1, 1e-6);
   EXPECT_NEAR(work, 200 * area, 1e-3 * work);
@@ -219,7 +219,7 @@ TEST(SimulatedCuts, AFlyingBodyIsCutWithoutAPush) {
       const double energy = simulation.totalEnergy_j(), scale = mass * speed * speed;
       ASSERT_GT(speed, 1e-3);
       const Eigen::Vector3d middle = simulation.positions().rowwise().mean();
-      const CutEvent event = simulation.cutAll({PlaneCut{middle, normals[step / 10 - 3]}});
+      const CutReport event = simulation.cutAll({PlaneCut{middle, normals[step / 10 - 3]}});
       ASSERT_EQ(event.result.status, CutStatus::kCut);
       const CutBalance& balance = event.balance;
       EXPECT_LT(balance.momentum_change.norm(), 1e-12 * mass * speed);

@@ -1,29 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-//
-// Apart from the node, because the message CutEvent and the simulation's own CutEvent cannot be seen in one
-// file.
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 #include <ros/time.h>
 
-#include "polyscalpel/cutting/cut_mesh.hpp"
-#include "polyscalpel/simulation/cut_balance.hpp"
-#include "polyscalpel/simulation/piece_table.hpp"
+#include "polyscalpel/mesh/polyhedral_mesh.hpp"
+#include "polyscalpel/simulation/simulation.hpp"
 
 namespace polyscalpel {
-
-/// What the simulation's CutEvent holds.
-struct CutReport {
-  const CutResult& result;
-  const CutBalance& balance;
-  const Debris& debris;
-  const std::vector<PieceProperties>& pieces;
-};
 
 /// Publishes changes of topology on `cut_events`.
 class CutEventPublisher {

@@ -68,7 +68,7 @@ class SimulationNode {
   void noticeClockSetBack(const ros::Time& now);
 
   void makeCuts(const std::vector<CutOperation>& operations, Cut::Response& response);
-  void publishCut(const CutEvent& event, const ros::Time& stamp);
+  void publishCut(const CutReport& report, const ros::Time& stamp);
   void publishMesh();
   void publishStatus();
   void publishTools(const StepReport& report, const ToolPoses& T_world_tool);

@@ -66,7 +66,7 @@ enum class CutCause {
 };
 
 /// A change of topology, for the cut_events topic.
-struct CutEvent {
+struct CutReport {
   CutCause cause = CutCause::kRequest;
   int tool = -1;     ///< whose blade it was; -1 where the cause is another
   CutResult result;  ///< of the cut alone; pieces_after counts the debris too
@@ -92,7 +92,7 @@ struct StepReport {
   StageTimes times;
   std::vector<ToolReport> tools;  ///< one a tool of the config
   std::vector<AppliedContact> contacts;
-  std::vector<CutEvent> cuts;
+  std::vector<CutReport> cuts;
   bool fracture_limited = false;  ///< more would have torn but for FractureConfig::max_splits_per_step
 };
 
@@ -117,7 +117,7 @@ class Simulation {
 
   /// Several cuts as one transaction (see cutMesh), and all that came of it. The body is as it was unless the
   /// result's status is kCut. Throws as cut() does.
-  CutEvent cutAll(const std::vector<CutOperation>& operations);
+  CutReport cutAll(const std::vector<CutOperation>& operations);
 
   /// Back to the rest mesh, uncut, at time 0, bit for bit.
   void reset();
