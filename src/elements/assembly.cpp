@@ -18,6 +18,40 @@ double median(Eigen::VectorXd values) {
   return *middle;
 }
 
+/// Adds cells' stabilising stiffness to a block matrix: (H (x) R) S^ (H (x) R)^T.
+class StabiliserBlocks {
+ public:
+  explicit StabiliserBlocks(int most_modes) : turned_(most_modes * most_modes), half_(most_modes) {}
+
+  /// blocks: places of the cell's lower triangle, row by row.
+  void add(const Stabilisation& stabilisation, const Eigen::Matrix3d& R, double scale, const int* blocks,
+           Blocks& matrix) {
+    const Eigen::MatrixXd& H = stabilisation.modes;
+    const Eigen::Index n = H.rows(), m = H.cols();
+    for (Eigen::Index k = 0; k < m; ++k) {
+      for (Eigen::Index l = 0; l <= k; ++l) {
+        const Eigen::Matrix3d left = scale * (R * stabilisation.stiffness.block<3, 3>(3 * k, 3 * l));
+        turned_[k * m + l].noalias() = left * R.transpose();
+        if (l < k) turned_[l * m + k] = turned_[k * m + l].transpose();
+      }
+    }
+    for (Eigen::Index a = 0; a < n; ++a) {
+      for (Eigen::Index l = 0; l < m; ++l) {
+        half_[l] = H(a, 0) * turned_[l];
+        for (Eigen::Index k = 1; k < m; ++k) half_[l] += H(a, k) * turned_[k * m + l];
+      }
+      for (Eigen::Index b = 0; b <= a; ++b) {
+        Eigen::Matrix3d& block = matrix[*blocks++];
+        for (Eigen::Index l = 0; l < m; ++l) block += H(b, l) * half_[l];
+      }
+    }
+  }
+
+ private:
+  std::vector<Eigen::Matrix3d> turned_;  // R S^_kl R^T, row by row
+  std::vector<Eigen::Matrix3d> half_;    // one vertex's row: sum_k H_ak R S^_kl R^T
+};
+
 }  // namespace
 
 Assembly::Assembly(const PolyhedralMesh& mesh, const IsotropicMaterial& material, const ElementConfig& config,
@@ -150,7 +184,6 @@ void Assembly::makeRoom(int num_vertices, int num_blocks) {
   if (gradients_.cols() >= needed) return;
   const int columns = num_packed_vertices_ == 0 ? needed : std::max(needed, num_packed_vertices_ * 3 / 2);
   gradients_.conservativeResize(3, columns);
-  rest_offsets_.conservativeResize(3, columns);
 }
 
 // Behind all that is packed.
@@ -160,7 +193,7 @@ void Assembly::packCell(const PolyhedralMesh& mesh, CellId id, PackedCell& cell)
   cell.cell = id.index();
   cell.kind = kind_of_cell_[id.index()];
   cell.num_vertices = static_cast<int>(vertices.size());
-  cell.is_stabilised = element.stabilisation.size() > 0;
+  cell.is_stabilised = !element.stabilisation.isEmpty();
   cell.first_vertex = num_packed_vertices_;
   cell.first_block = num_packed_blocks_;
   cell.volume = element.volume;
@@ -168,8 +201,6 @@ void Assembly::packCell(const PolyhedralMesh& mesh, CellId id, PackedCell& cell)
   gradients_.middleCols(cell.first_vertex, cell.num_vertices) = element.mean_gradient;
   for (int i = 0; i < cell.num_vertices; ++i) {
     cell_vertices_[cell.first_vertex + i] = vertices[i].index();
-    rest_offsets_.col(cell.first_vertex + i) =
-        mesh.restPosition(vertices[i]) - mesh.restPosition(vertices[0]);
   }
   num_packed_vertices_ += cell.num_vertices;
   num_packed_blocks_ += cell.num_vertices * (cell.num_vertices + 1) / 2;
@@ -295,8 +326,7 @@ void Assembly::applyMassFloor() {
 
 CellView Assembly::view(const PackedCell& cell) const {
   return {cell.volume, moduli_[cell.kind], gradients_.middleCols(cell.first_vertex, cell.num_vertices),
-          cell.is_stabilised ? &elements_[cell.cell].stabilisation : nullptr,
-          rest_offsets_.middleCols(cell.first_vertex, cell.num_vertices)};
+          cell.is_stabilised ? &elements_[cell.cell].stabilisation : nullptr};
 }
 
 // Relative to the cell's first vertex: far from the origin forces would lose digits.
@@ -325,9 +355,9 @@ void Assembly::lineariseAtRest() {
 
 void Assembly::assembleStiffness(double scale, Blocks& matrix) const {
   Eigen::Matrix3Xd h_of(3, largest_cell_);
+  StabiliserBlocks stabiliser(largest_cell_);
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     const PackedCell& cell = cells_[c];
-    const Eigen::Matrix3d& R = linearisations_[cell.cell].R;
     const MeanLinearisation& mean = linearisations_[cell.cell].mean;
     const int n = cell.num_vertices;
     const auto gradients = gradients_.middleCols(cell.first_vertex, n);
@@ -337,7 +367,6 @@ void Assembly::assembleStiffness(double scale, Blocks& matrix) const {
     const Eigen::Matrix3d AAt = mean.A * mean.A.transpose();
     const bool is_prestressed = !mean.S.isZero(0);
     for (int i = 0; i < n; ++i) h_of.col(i).noalias() = mean.A * gradients.col(i);
-    const Eigen::MatrixXd* const S = cell.is_stabilised ? &elements_[cell.cell].stabilisation : nullptr;
     const int* blocks = &cell_blocks_[cell.first_block];
     for (int a = 0; a < n; ++a) {
       const Eigen::Vector3d h_a = h_of.col(a), lambda_a = lambda * h_a, mu_a = mu * h_a,
@@ -352,10 +381,11 @@ void Assembly::assembleStiffness(double scale, Blocks& matrix) const {
           const double tension = scaled_volume * gradients.col(a).dot(mean.S * gradients.col(b));
           block.diagonal().array() += tension;
         }
-        if (!S) continue;
-        const Eigen::Matrix3d rotated = scale * (R * S->block<3, 3>(3 * a, 3 * b));
-        block.noalias() += rotated * R.transpose();
       }
+    }
+    if (cell.is_stabilised) {
+      stabiliser.add(elements_[cell.cell].stabilisation, linearisations_[cell.cell].R, scale,
+                     &cell_blocks_[cell.first_block], matrix);
     }
   }
 }

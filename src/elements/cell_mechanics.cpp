@@ -9,59 +9,64 @@
 namespace polyscalpel {
 namespace {
 
-/// work.warped = d, work.stabilising = S d.
-void warp(const CellView& cell, const Eigen::Matrix3d& R, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
-          CellWorkspace& work) {
-  const Eigen::Index n = positions.cols();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    work.warped.col(i).noalias() = R.transpose() * positions.col(i);
-    work.warped.col(i) -= cell.rest_positions.col(i);
-  }
-  const Eigen::Map<const Eigen::VectorXd> d(work.warped.data(), 3 * n);
-  Eigen::Map<Eigen::VectorXd>(work.stabilising.data(), 3 * n).noalias() = *cell.stabilisation * d;
+/// work.warped = d, work.stabilising = S^ d, in their first columns.
+void warp(const Stabilisation& stabilisation, const Eigen::Matrix3d& R,
+          const Eigen::Ref<const Eigen::Matrix3Xd>& positions, CellWorkspace& work) {
+  const Eigen::Index m = stabilisation.numModes();
+  auto modes = work.modes.leftCols(m);
+  modes = positions.lazyProduct(stabilisation.modes);
+  work.warped.leftCols(m) = R.transpose().lazyProduct(modes);
+  work.warped.leftCols(m) -= stabilisation.rest_modes;
+  const Eigen::Map<const Eigen::VectorXd> d(work.warped.data(), 3 * m);
+  Eigen::Map<Eigen::VectorXd>(work.stabilising.data(), 3 * m) = stabilisation.stiffness.lazyProduct(d);
 }
 
-/// sum_i (R^T x)_i x (S d)_i: what turning the frame does to the stabilising energy.
-Eigen::Vector3d stabilisingTorque(const CellView& cell, const CellWorkspace& work) {
+/// sum_k (R^T x H)_k x (S^ d)_k: what turning the frame does to the stabilising energy.
+Eigen::Vector3d stabilisingTorque(const Stabilisation& stabilisation, const CellWorkspace& work) {
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();
-  for (Eigen::Index i = 0; i < cell.rest_positions.cols(); ++i) {
-    const Eigen::Vector3d y = work.warped.col(i) + cell.rest_positions.col(i);
-    torque += y.cross(Eigen::Vector3d(work.stabilising.col(i)));
+  for (Eigen::Index k = 0; k < stabilisation.numModes(); ++k) {
+    const Eigen::Vector3d y = work.warped.col(k) + stabilisation.rest_modes.col(k);
+    torque += y.cross(Eigen::Vector3d(work.stabilising.col(k)));
   }
   return torque;
 }
 
-/// Adds d/dx of R (f_i + c x g_i), f = S d, c = -T tau, T the turn of the rotation, column by column: moving
-/// vertex j by v in the cell's frame turns that by w = T (g_j x v), and
-///   dy_i = v - w x y_i (v at j only),  df = S dy,  dtau = sum dy_i x f_i + y_i x df_i,
+/// Adds d/dx of R (f H_i + c x g_i), f = S^ d, c = -T tau, T the turn of the rotation, column by column:
+/// moving vertex j by v in the cell's frame turns that by w = T (g_j x v), and with y = R^T x H
+///   dy_k = H_jk v - w x y_k,  df = S^ dy,  dtau = sum dy_k x f_k + y_k x df_k,
 ///   dU = v g_j^T - [w]_x U,  dc = -T (dtau + (tr(dU) I - dU) c).
 void addStabilisingTangent(const CellView& cell, const Eigen::Matrix3d& F, const Eigen::Matrix3d& R,
                            const Eigen::Ref<const Eigen::Matrix3Xd>& positions, Eigen::MatrixXd& tangent) {
-  const Eigen::Index n = positions.cols();
+  const Stabilisation& stabilisation = *cell.stabilisation;
+  const Eigen::Index n = positions.cols(), m = stabilisation.numModes();
   CellWorkspace work(static_cast<int>(n));
-  warp(cell, R, positions, work);
+  warp(stabilisation, R, positions, work);
   const Eigen::Matrix3d U = symmetricPart(R.transpose() * F);
   const TurnOfRotation turn(U);
-  const Eigen::Matrix3Xd y = work.warped + cell.rest_positions, f = work.stabilising;
-  const Eigen::Vector3d c = -turn(stabilisingTorque(cell, work));
-  Eigen::Matrix3Xd dy(3, n), df(3, n);
+  const Eigen::Matrix3Xd y = work.warped.leftCols(m) + stabilisation.rest_modes,
+                         f = work.stabilising.leftCols(m);
+  const Eigen::Matrix3Xd f_at_vertices = f * stabilisation.modes.transpose();
+  const Eigen::Vector3d c = -turn(stabilisingTorque(stabilisation, work));
+  Eigen::Matrix3Xd dy(3, m), df(3, m), df_at_vertices(3, n);
   for (Eigen::Index j = 0; j < n; ++j) {
     for (int k = 0; k < 3; ++k) {
       const Eigen::Vector3d v = R.row(k).transpose(), g_j = cell.mean_gradient.col(j);
       const Eigen::Vector3d w = turn(g_j.cross(v));
-      for (Eigen::Index i = 0; i < n; ++i) dy.col(i) = -w.cross(Eigen::Vector3d(y.col(i)));
-      dy.col(j) += v;
-      df = (*cell.stabilisation * dy.reshaped()).reshaped(3, n);
+      for (Eigen::Index i = 0; i < m; ++i)
+        dy.col(i) = stabilisation.modes(j, i) * v - w.cross(Eigen::Vector3d(y.col(i)));
+      df = (stabilisation.stiffness * dy.reshaped()).reshaped(3, m);
+      df_at_vertices = df * stabilisation.modes.transpose();
       Eigen::Vector3d dtau = Eigen::Vector3d::Zero();
-      for (Eigen::Index i = 0; i < n; ++i) {
+      for (Eigen::Index i = 0; i < m; ++i) {
         dtau += dy.col(i).cross(f.col(i)) + y.col(i).cross(df.col(i));
       }
       Eigen::Matrix3d dU = v * g_j.transpose();
       for (int column = 0; column < 3; ++column) dU.col(column) -= w.cross(Eigen::Vector3d(U.col(column)));
       const Eigen::Vector3d dc = -turn(dtau + dU.trace() * c - dU * c);
       for (Eigen::Index i = 0; i < n; ++i) {
-        const Eigen::Vector3d g = cell.mean_gradient.col(i), force = f.col(i) + c.cross(g);
-        tangent.col(3 * j + k).segment<3>(3 * i) += R * (w.cross(force) + df.col(i) + dc.cross(g));
+        const Eigen::Vector3d g = cell.mean_gradient.col(i), force = f_at_vertices.col(i) + c.cross(g);
+        tangent.col(3 * j + k).segment<3>(3 * i) +=
+            R * (w.cross(force) + df_at_vertices.col(i) + dc.cross(g));
       }
     }
   }
@@ -77,9 +82,9 @@ CellLinearisation linearise(const StrainMeasure& measure, const CellView& cell,
   result.R = measure.rotation(F);
   result.mean = measure.linearise(F, result.R, cell.moduli);
   if (!cell.stabilisation || !exact_force || !measure.rotates()) return result;
-  warp(cell, result.R, positions, work);
+  warp(*cell.stabilisation, result.R, positions, work);
   const TurnOfRotation turn(result.R.transpose() * F);
-  result.spin = -turn(stabilisingTorque(cell, work));
+  result.spin = -turn(stabilisingTorque(*cell.stabilisation, work));
   return result;
 }
 
@@ -94,15 +99,21 @@ void addForces(const CellLinearisation& linearisation, const CellView& cell,
   stress.diagonal().array() += cell.moduli.lambda_pa * D.trace();
   stress = mean.A * stress + change * mean.S + mean.reference_stress;
   stress *= cell.volume;
-  forces.noalias() += stress * cell.mean_gradient;
-  if (!cell.stabilisation) return;
+  if (!cell.stabilisation) {
+    forces.noalias() += stress * cell.mean_gradient;
+    return;
+  }
+  const Stabilisation& stabilisation = *cell.stabilisation;
   const Eigen::Matrix3d& R = linearisation.R;
   const Eigen::Vector3d& c = linearisation.spin;
-  warp(cell, R, positions, work);
-  for (Eigen::Index i = 0; i < positions.cols(); ++i) {
-    const Eigen::Vector3d g = cell.mean_gradient.col(i);
-    forces.col(i).noalias() += R * (work.stabilising.col(i) + c.cross(g));
-  }
+  Eigen::Matrix3d spin;  // [c]_x
+  spin << 0, -c.z(), c.y(), c.z(), 0, -c.x(), -c.y(), c.x(), 0;
+  stress.noalias() += R * spin;
+  forces.noalias() += stress * cell.mean_gradient;
+  warp(stabilisation, R, positions, work);
+  const Eigen::Index m = stabilisation.numModes();
+  work.modes.leftCols(m) = R.lazyProduct(work.stabilising.leftCols(m));
+  forces += work.modes.leftCols(m).lazyProduct(stabilisation.modes.transpose());
 }
 
 double elasticEnergy(const StrainMeasure& measure, const CellView& cell,
@@ -111,9 +122,9 @@ double elasticEnergy(const StrainMeasure& measure, const CellView& cell,
   const Eigen::Matrix3d R = measure.rotation(F);
   double energy = cell.volume * measure.energyDensity(F, R, cell.moduli);
   if (cell.stabilisation) {
-    warp(cell, R, positions, work);
-    for (Eigen::Index i = 0; i < positions.cols(); ++i) {
-      energy += 0.5 * work.warped.col(i).dot(work.stabilising.col(i));
+    warp(*cell.stabilisation, R, positions, work);
+    for (Eigen::Index k = 0; k < cell.stabilisation->numModes(); ++k) {
+      energy += 0.5 * work.warped.col(k).dot(work.stabilising.col(k));
     }
   }
   return energy;
@@ -139,7 +150,7 @@ Eigen::MatrixXd exactTangent(const StrainMeasure& measure, const CellView& cell,
     if (measure.rotates()) {
       addStabilisingTangent(cell, F, R, positions, tangent);
     } else {
-      tangent += *cell.stabilisation;
+      tangent += cell.stabilisation->matrix();
     }
   }
   return tangent;

@@ -89,7 +89,7 @@ Eigen::MatrixXd stiffness(const ElementMatrices& element, const IsotropicMateria
   const auto gradient = element.mean_gradient.reshaped();
   const Eigen::MatrixXd H = element.volume * gradient * gradient.transpose();
   Eigen::MatrixXd K = stiffnessFromGradientProducts(H, {lameLambda(material), shearModulus(material)});
-  if (element.stabilisation.size() > 0) K += element.stabilisation;
+  if (!element.stabilisation.isEmpty()) K += element.stabilisation.matrix();
   return K;
 }
 

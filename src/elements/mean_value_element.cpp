@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
-
 #include "cell_integrals.hpp"
 #include "polyscalpel/elements/element_formulation.hpp"
 #include "polyscalpel/elements/mean_value_coordinates.hpp"
@@ -9,22 +7,19 @@
 namespace polyscalpel {
 namespace {
 
-/// The columns sqrt(w_q) (G_q - Gq), without what rounding has left of linear fields in them. Those have no
-/// fluctuation, but flat cells, where gradients lose digits, give them a large one. What the position field
-/// would feel, G X^T, is zero; it is taken out by means of Gm, whose own is exactly the identity: G - (G X^T)
-/// Gm. points: 3 x n, of the cell's vertices.
+/// The columns sqrt(w_q) (G_q - Gq) H. Linear fields have no fluctuation, but in flat cells, where gradients
+/// lose digits, rounding would give them a large one: the modes H leave them out. gradients: a column a
+/// point, of the cell's vertices.
 Eigen::MatrixXd gradientFluctuation(const Eigen::Ref<const Eigen::MatrixXd>& gradients,
-                                    const Eigen::VectorXd& weights,
-                                    const Eigen::Ref<const Eigen::Matrix3Xd>& points,
-                                    const Eigen::Matrix3Xd& mean_gradient) {
-  const Eigen::VectorXd mean = gradients * weights / weights.sum();
-  Eigen::MatrixXd fluctuation(gradients.rows(), gradients.cols());
+                                    const Eigen::VectorXd& weights, const Eigen::MatrixXd& modes) {
+  Eigen::MatrixXd fluctuation(3 * modes.cols(), gradients.cols());
   for (Eigen::Index q = 0; q < gradients.cols(); ++q) {
-    fluctuation.col(q) = std::sqrt(weights[q]) * (gradients.col(q) - mean);
-    Eigen::Map<Eigen::Matrix3Xd> of_vertices(fluctuation.col(q).data(), 3, points.cols());
-    const Eigen::Matrix3d of_position = of_vertices.lazyProduct(points.transpose());
-    of_vertices.noalias() -= of_position.lazyProduct(mean_gradient);
+    const Eigen::Map<const Eigen::Matrix3Xd> of_vertices(gradients.col(q).data(), 3, modes.rows());
+    Eigen::Map<Eigen::Matrix3Xd>(fluctuation.col(q).data(), 3, modes.cols()) = of_vertices.lazyProduct(modes);
   }
+  const Eigen::VectorXd mean = fluctuation * weights / weights.sum();
+  fluctuation.colwise() -= mean;
+  fluctuation *= weights.cwiseSqrt().asDiagonal();
   return fluctuation;
 }
 
@@ -44,14 +39,19 @@ class MeanValueElement final : public ElementFormulation {
     ElementMatrices element;
     setVolumeAndMeanGradient(surface, points, element);
     if (config_.gradient_correction) {
+      const auto corners = points.leftCols(surface.num_vertices);
+      Stabilisation& stabilisation = element.stabilisation;
+      stabilisation.modes = nonLinearModes(corners);
+      stabilisation.rest_modes = corners * stabilisation.modes;
       const Eigen::MatrixXd fluctuation =
-          gradientFluctuation(coordinates.gradients(), quadrature.weights,
-                              points.leftCols(surface.num_vertices), element.mean_gradient);
-      Eigen::MatrixXd H = Eigen::MatrixXd::Zero(fluctuation.rows(), fluctuation.rows());
-      H.selfadjointView<Eigen::Lower>().rankUpdate(fluctuation, config_.stabilisation_scale);
-      element.stabilisation = stiffnessFromGradientProducts(H, stabilisationModuli(material, config_));
+          gradientFluctuation(coordinates.gradients(), quadrature.weights, stabilisation.modes);
+      Eigen::MatrixXd products = Eigen::MatrixXd::Zero(fluctuation.rows(), fluctuation.rows());
+      products.selfadjointView<Eigen::Lower>().rankUpdate(fluctuation, config_.stabilisation_scale);
+      stabilisation.stiffness =
+          stiffnessFromGradientProducts(products, stabilisationModuli(material, config_));
     } else {
-      setUncorrected(coordinates.gradients(), quadrature.weights, material, element);
+      setUncorrected(coordinates.gradients(), quadrature.weights, points.leftCols(surface.num_vertices),
+                     material, element);
     }
     setMass(coordinates.values(), quadrature.weights, element);
     return element;
@@ -59,14 +59,16 @@ class MeanValueElement final : public ElementFormulation {
 
  private:
   /// K = sum_q w_q G_q^T C G_q, as it comes: the remainder S may then be indefinite, and linear fields feel
-  /// it.
+  /// it, so that each vertex is a mode.
   static void setUncorrected(const Eigen::Ref<const Eigen::MatrixXd>& gradients,
-                             const Eigen::VectorXd& weights, const IsotropicMaterial& material,
-                             ElementMatrices& element) {
+                             const Eigen::VectorXd& weights,
+                             const Eigen::Ref<const Eigen::Matrix3Xd>& corners,
+                             const IsotropicMaterial& material, ElementMatrices& element) {
     const Eigen::MatrixXd H = gradients * weights.asDiagonal() * gradients.transpose();
     const Eigen::MatrixXd K =
         stiffnessFromGradientProducts(H, {lameLambda(material), shearModulus(material)});
-    element.stabilisation = K - stiffness(element, material);
+    element.stabilisation = {Eigen::MatrixXd::Identity(corners.cols(), corners.cols()),
+                             K - stiffness(element, material), corners};
   }
 
   /// Linear precision of the coordinates keeps the cell's mass and centroid, whatever the rule, unless

@@ -66,23 +66,26 @@ class VirtualElement final : public ElementFormulation {
     setVolumeAndMeanGradient(surface, points, element);
     SubTetMass(surface).addTo(points, config_.consistent_mass, element);
 
-    // (P u)_i = mean of u + (sum_j u_j Gm_j) . (X_i - mean of X).
-    const auto corners = points.leftCols(n);
-    const Eigen::MatrixXd projection =
-        corners.transpose() * element.mean_gradient + Eigen::MatrixXd::Constant(n, n, 1.0 / n);
-    const Eigen::MatrixXd remainder = Eigen::MatrixXd::Identity(n, n) - projection;
+    // (P u)_i = mean of u + (sum_j u_j Gm_j) . (X_i - mean of X); the modes have no mean.
+    const Eigen::Matrix3Xd corners = points.leftCols(n).colwise() - points.leftCols(n).rowwise().mean();
+    Stabilisation& stabilisation = element.stabilisation;
+    stabilisation.modes = nonLinearModes(corners);
+    stabilisation.rest_modes = corners * stabilisation.modes;
+    const Eigen::Matrix3Xd gradient_of_modes = element.mean_gradient * stabilisation.modes;
+    const Eigen::MatrixXd remainder = stabilisation.modes - corners.transpose() * gradient_of_modes;
     // The volume over the squared size, not the mean part's own diagonal: in a flat cell that is the
     // stiffness across, and the bending modes would be as stiff.
     const LameModuli moduli = stabilisationModuli(material, config_);
     const double s = config_.stabilisation_scale * kScaleOfCube * (moduli.lambda_pa + 4 * moduli.mu_pa) *
                      element.volume * n / corners.squaredNorm();
     const Eigen::MatrixXd scalar = s * remainder.transpose() * remainder;
-    element.stabilisation.setZero(3 * n, 3 * n);
-    for (Eigen::Index a = 0; a < n; ++a) {
-      for (Eigen::Index b = 0; b < n; ++b) {
-        element.stabilisation.block<3, 3>(3 * a, 3 * b)
+    const Eigen::Index m = stabilisation.numModes();
+    stabilisation.stiffness.setZero(3 * m, 3 * m);
+    for (Eigen::Index k = 0; k < m; ++k) {
+      for (Eigen::Index l = 0; l < m; ++l) {
+        stabilisation.stiffness.block<3, 3>(3 * k, 3 * l)
             .diagonal()
-            .setConstant(0.5 * (scalar(a, b) + scalar(b, a)));
+            .setConstant(0.5 * (scalar(k, l) + scalar(l, k)));
       }
     }
     return element;

@@ -42,8 +42,7 @@ struct CellAtRest {
     return {element.volume,
             {lameLambda(kMaterial), shearModulus(kMaterial)},
             element.mean_gradient,
-            element.stabilisation.size() > 0 ? &element.stabilisation : nullptr,
-            rest};
+            element.stabilisation.isEmpty() ? nullptr : &element.stabilisation};
   }
   double stiffnessNorm() const { return stiffness(element, kMaterial).norm(); }
 
@@ -72,18 +71,19 @@ double energyAt(const StrainMeasure& measure, const CellView& view, const Matrix
 
 /// The positive semidefinite tangent of a linearisation, by the formula of MeanLinearisation.
 MatrixXd semidefiniteTangent(const CellLinearisation& linearisation, const CellView& view) {
-  const Eigen::Index n = view.rest_positions.cols();
+  const Eigen::Index n = view.mean_gradient.cols();
   const Matrix3d &A = linearisation.mean.A, &S = linearisation.mean.S, &R = linearisation.R;
   const Matrix3Xd g = view.mean_gradient, h = A * g;
   const double lambda = view.moduli.lambda_pa, mu = view.moduli.mu_pa;
-  MatrixXd tangent(3 * n, 3 * n);
+  MatrixXd tangent(3 * n, 3 * n), stabilising = MatrixXd::Zero(3 * n, 3 * n);
+  if (view.stabilisation) stabilising = view.stabilisation->matrix();
   for (Eigen::Index a = 0; a < n; ++a) {
     for (Eigen::Index b = 0; b < n; ++b) {
       Matrix3d block = lambda * h.col(a) * h.col(b).transpose() + mu * h.col(b) * h.col(a).transpose() +
                        mu * g.col(a).dot(g.col(b)) * A * A.transpose() +
                        g.col(a).dot(S * g.col(b)) * Matrix3d::Identity();
       block *= view.volume;
-      if (view.stabilisation) block += R * view.stabilisation->block<3, 3>(3 * a, 3 * b) * R.transpose();
+      block += R * stabilising.block<3, 3>(3 * a, 3 * b) * R.transpose();
       tangent.block<3, 3>(3 * a, 3 * b) = block;
     }
   }

@@ -58,9 +58,12 @@ class ElementMatricesTest : public testing::TestWithParam<std::tuple<int, int, d
 TEST_P(ElementMatricesTest, ShapesAndVolume) {
   EXPECT_NEAR(element_.volume, volume(surface_), 1e-14 * element_.volume);
   EXPECT_EQ(element_.mean_gradient.cols(), n_);
-  const Eigen::Index num_dofs = surface_.isTetrahedron() ? 0 : 3 * n_;
-  EXPECT_EQ(element_.stabilisation.rows(), num_dofs);
-  EXPECT_EQ(element_.stabilisation.cols(), num_dofs);
+  const Eigen::Index num_modes = n_ - 4;  // what no linear field has
+  EXPECT_EQ(element_.stabilisation.isEmpty(), surface_.isTetrahedron());
+  EXPECT_EQ(element_.stabilisation.numModes(), num_modes);
+  EXPECT_EQ(element_.stabilisation.stiffness.rows(), 3 * num_modes);
+  EXPECT_EQ(element_.stabilisation.stiffness.cols(), 3 * num_modes);
+  EXPECT_EQ(element_.stabilisation.rest_modes.cols(), num_modes);
   EXPECT_EQ(element_.shape_integral.size(), n_);
   EXPECT_EQ(element_.mass_integral.rows(), n_);
   EXPECT_EQ(element_.mass_integral.cols(), n_);
@@ -220,7 +223,7 @@ TEST(ElementMatrices, ShearOnlyStabilisationLeavesOutLambda) {
     ElementConfig config = makeConfig(points);
     const auto stabilisation = [&](const IsotropicMaterial& material, StabilisationModulus modulus) {
       config.stabilisation_modulus = modulus;
-      return makeElementMatrices(cube, material, config).stabilisation;
+      return makeElementMatrices(cube, material, config).stabilisation.matrix();
     };
     // nu = 0 has lambda = 0 anyway.
     const IsotropicMaterial plain{2e4, 0, 1100};
@@ -243,7 +246,7 @@ TEST(ElementMatrices, StabilisationDoesNotFeelLinearFields) {
     if (cell.surface.isTetrahedron()) continue;
     for (const int points : {0, 1, 4}) {
       const ElementMatrices element = makeElementMatrices(cell.surface, kMaterial, makeConfig(points));
-      const MatrixXd& S = element.stabilisation;
+      const MatrixXd S = element.stabilisation.matrix();
       Matrix3d gradient;
       gradient << 0.3, 0.2, -0.3, 0.5, -0.15, 0.4, 0.2, -0.1, 0.3;
       const Matrix3Xd field =
@@ -255,8 +258,10 @@ TEST(ElementMatrices, StabilisationDoesNotFeelLinearFields) {
 
 TEST(ElementMatrices, VirtualElementOfACubeIsAsStiffAsMeanValuesOnAverage) {
   const CellSurface cube = makeSurface(makeCubeSketch());
-  const double mean_values = makeElementMatrices(cube, kMaterial, makeConfig(4)).stabilisation.trace();
-  const double virtual_element = makeElementMatrices(cube, kMaterial, makeConfig(0)).stabilisation.trace();
+  const double mean_values =
+      makeElementMatrices(cube, kMaterial, makeConfig(4)).stabilisation.stiffness.trace();
+  const double virtual_element =
+      makeElementMatrices(cube, kMaterial, makeConfig(0)).stabilisation.stiffness.trace();
   EXPECT_NEAR(virtual_element, mean_values, 0.02 * mean_values);
 }
 

@@ -106,7 +106,7 @@ class Assembly {
     int kind = 0;
     int num_vertices = 0;
     bool is_stabilised = false;
-    int first_vertex = 0;  // in cell_vertices_, gradients_, rest_offsets_
+    int first_vertex = 0;  // in cell_vertices_, gradients_
     int first_block = 0;   // in cell_blocks_
     double volume = 0;
   };
@@ -138,11 +138,10 @@ class Assembly {
 
   std::vector<PackedCell> cells_;
   std::vector<int> cell_vertices_;
-  Eigen::Matrix3Xd gradients_;     // Gm of all cells side by side
-  Eigen::Matrix3Xd rest_offsets_;  // X of all cells side by side, relative to the cell's first vertex
+  Eigen::Matrix3Xd gradients_;  // Gm of all cells side by side
   std::vector<int>
       cell_blocks_;  // lower triangle, row by row: block of local vertices (0,0) (1,0) (1,1) (2,0) ...
-  int num_packed_vertices_ = 0;  // places in use or left behind, of cell_vertices_, gradients_, rest_offsets_
+  int num_packed_vertices_ = 0;  // places in use or left behind, of cell_vertices_, gradients_
   int num_left_vertices_ = 0;    // of these, left behind by cells that were removed or changed
   int num_packed_blocks_ = 0;    // places in use or left behind, of cell_blocks_
   BlockPattern pattern_;

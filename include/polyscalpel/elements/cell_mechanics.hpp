@@ -2,9 +2,9 @@
 //
 // Energy, force and stiffness of one cell in any deformation. The energy is
 //
-//   E(x) = V psi(F) + 1/2 d^T S d,  F = sum_i x_i (outer) Gm_i,  d = R^T x - X,  R = rotation(F):
+//   E(x) = V psi(F) + 1/2 d^T S^ d,  F = sum_i x_i (outer) Gm_i,  d = R^T x H - X H,  R = rotation(F):
 //
-// a strain measure acts on the mean part, and the stabilising part stays corotated.
+// a strain measure acts on the mean part, and the stabilising part, in its modes H, stays corotated.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,24 +19,24 @@ namespace polyscalpel {
 struct CellView {
   double volume = 0;
   LameModuli moduli;
-  Eigen::Ref<const Eigen::Matrix3Xd> mean_gradient;   ///< Gm
-  const Eigen::MatrixXd* stabilisation = nullptr;     ///< S; nullptr: none
-  Eigen::Ref<const Eigen::Matrix3Xd> rest_positions;  ///< X
+  Eigen::Ref<const Eigen::Matrix3Xd> mean_gradient;  ///< Gm
+  const Stabilisation* stabilisation = nullptr;      ///< nullptr: none
 };
 
 /// A cell's force near a deformation.
 struct CellLinearisation {
   MeanLinearisation mean;
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  /// c of the stabilising part's rotation derivative: vertex i feels R (c x Gm_i) beside R (S d)_i [N m].
+  /// c of the stabilising part's rotation derivative: vertex i feels R (c x Gm_i) beside R S^ d H_i [N m].
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();
 };
 
 /// Room for a cell's intermediate results, so that a step allocates nothing.
 struct CellWorkspace {
-  explicit CellWorkspace(int num_vertices) : warped(3, num_vertices), stabilising(3, num_vertices) {}
-  Eigen::Matrix3Xd warped;       ///< d = R^T x - X
-  Eigen::Matrix3Xd stabilising;  ///< S d
+  explicit CellWorkspace(int num_vertices) : modes(3, num_vertices), warped(modes), stabilising(modes) {}
+  Eigen::Matrix3Xd modes;        ///< x H; at most as many columns as the cell has vertices
+  Eigen::Matrix3Xd warped;       ///< d = R^T x H - X H
+  Eigen::Matrix3Xd stabilising;  ///< S^ d
 };
 
 /// exact_force: with the rotation's derivative.

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "polyscalpel/elements/element_config.hpp"
+#include "polyscalpel/elements/stabilisation.hpp"
 #include "polyscalpel/materials/isotropic_material.hpp"
 #include "polyscalpel/mesh/surface.hpp"
 
@@ -21,9 +22,7 @@ namespace polyscalpel {
 struct ElementMatrices {
   double volume = 0;               ///< V [m^3]
   Eigen::Matrix3Xd mean_gradient;  ///< Gm, 3 x n [1/m]: mean over the cell of each shape function's gradient
-  /// S, 3n x 3n [N/m], symmetric, positive semidefinite, zero on linear fields, dofs (x0 y0 z0 x1 ...); empty
-  /// for a tetrahedron.
-  Eigen::MatrixXd stabilisation;
+  Stabilisation stabilisation;  ///< S, positive semidefinite, zero on linear fields; empty for a tetrahedron
   Eigen::VectorXd shape_integral;  ///< n [m^3]: integral of each shape function, >= 0, sums to V
   Eigen::MatrixXd
       mass_integral;  ///< n x n [m^3]: integral of N_i N_j; empty unless ElementConfig::consistent_mass
