@@ -17,6 +17,8 @@ constexpr double kPlanar = 1e-12;
 constexpr double kRoundings = 16;
 /// Triangulations are as good as each other within this part of their cost.
 constexpr double kTie = 1e-9;
+/// Of a chord that is to be avoided: above any sum that the sub-tets may cost.
+constexpr double kMostCost = 1e30;
 /// A sub-tet below this part of the largest counts as flat or folded.
 constexpr double kSmallestWorth = 1e-6;
 
@@ -39,7 +41,8 @@ bool isPlanar(const Eigen::Matrix3Xd& points) {
 
 std::vector<std::vector<VertexId>> makeCapFacets(const PolyhedralMesh& mesh,
                                                  const std::vector<VertexId>& cap_loop,
-                                                 const Vector3d& apex_behind, const Vector3d& apex_before) {
+                                                 const Vector3d& apex_behind, const Vector3d& apex_before,
+                                                 const std::vector<int>& sides) {
   const int n = static_cast<int>(cap_loop.size());
   Eigen::Matrix3Xd points(3, n);
   for (int i = 0; i < n; ++i) points.col(i) = mesh.restPosition(cap_loop[i]);
@@ -54,6 +57,9 @@ std::vector<std::vector<VertexId>> makeCapFacets(const PolyhedralMesh& mesh,
     if (worth > kSmallestWorth) return 1 / (worth * worth);
     return (2 - worth / kSmallestWorth) / (kSmallestWorth * kSmallestWorth);
   };
+  const auto costOfChord = [&](int i, int j) {
+    return !sides.empty() && sides[i] * sides[j] < 0 ? kMostCost : 0;
+  };
   // least(i, j): smallest cost of a triangulation of the corners i ... j; apex(i, j): third corner of the
   // triangle at the chord from i to j in that one.
   Eigen::MatrixXd least = Eigen::MatrixXd::Zero(n, n);
@@ -62,7 +68,8 @@ std::vector<std::vector<VertexId>> makeCapFacets(const PolyhedralMesh& mesh,
     for (int i = 0; i + width < n; ++i) {
       const int j = i + width;
       for (int k = i + 1; k < j; ++k) {
-        const double cost = least(i, k) + least(k, j) + costOf(i, k, j);
+        const double cost =
+            least(i, k) + least(k, j) + costOf(i, k, j) + costOfChord(i, k) + costOfChord(k, j);
         const int former = apex(i, j);
         if (former >= 0) {
           const double tie = kTie * least(i, j);

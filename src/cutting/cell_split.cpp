@@ -36,8 +36,13 @@ bool CellSplit::findBorder() {
   return splitCrossedEdges() && splitFaces() && findCap();
 }
 
-bool CellSplit::divide(int cut) {
-  const auto facets = makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false));
+bool CellSplit::divide(int cut, const BorderSides* sides) {
+  std::vector<int> sides_of_loop;
+  if (sides) {
+    for (const VertexId v : cap_loop_) sides_of_loop.push_back(sides->at(v));
+  }
+  const auto facets =
+      makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false), sides_of_loop);
   const auto split = editor_.splitCell(cell_, first_faces_, facets, cut);
   first = split.first;
   second = split.second;
@@ -45,6 +50,7 @@ bool CellSplit::divide(int cut) {
   touched_.insert(first);
   touched_.insert(second);
   touched_.erase(cell_);
+  if (sides && joinsSides(*sides)) return false;
   return std::all_of(touched_.begin(), touched_.end(), [&](CellId id) { return isSound(mesh(), id); });
 }
 
@@ -170,6 +176,17 @@ Eigen::Vector3d CellSplit::vertexMeanOfPart(bool is_first) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const VertexId v : vertices) sum += mesh().restPosition(v);
   return sum / static_cast<double>(vertices.size());
+}
+
+/// Whether an edge of the cap joins vertices of opposite sides.
+bool CellSplit::joinsSides(const BorderSides& sides) const {
+  return std::any_of(cap.begin(), cap.end(), [&](FaceId id) {
+    const auto& loop = mesh().face(id).loop;
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      if (sides.at(loop[i]) * sides.at(loop[(i + 1) % loop.size()]) < 0) return true;
+    }
+    return false;
+  });
 }
 
 bool isSound(const PolyhedralMesh& mesh, CellId cell) {

@@ -262,19 +262,30 @@ void Crossings::recordSplitEdge(const PolyhedralMesh& mesh, Edge edge, VertexId 
 }
 
 void Crossings::recordSplitCell(CellId cell, CellId first, CellId second,
-                                const std::vector<VertexId>& cap_vertices, int first_side) {
+                                const std::vector<VertexId>& cap_vertices, int first_side,
+                                bool is_second_whole) {
   Part part;
   if (const auto former = parts_.find(cell); former != parts_.end()) {
     part.settled = std::move(former->second.settled);
     parts_.erase(former);
   }
-  for (const VertexId v : cap_vertices) part.settled[v] = time_;
+  for (const VertexId v : cap_vertices) part.settled[v] = kNotYetSettled;
+  parts_[second] = part;
+  parts_[second].side = -first_side;
+  if (is_second_whole) settle(second);
   part.side = first_side;
-  parts_[first] = part;
-  part.side = -first_side;
-  parts_[second] = std::move(part);
+  parts_[first] = std::move(part);
+  settle(first);
   inheritPasses(cell, first);
   inheritPasses(cell, second);
+}
+
+void Crossings::settle(CellId cell) {
+  const auto part = parts_.find(cell);
+  if (part == parts_.end()) return;
+  for (auto& [vertex, time] : part->second.settled) {
+    if (time == kNotYetSettled) time = time_;
+  }
 }
 
 void Crossings::inheritPasses(CellId cell, CellId part) {
@@ -296,13 +307,14 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
     int at_face = 0, anywhere = 0;  // seen from the face's own corners, and from all snapped ones
   };
   boost::container::flat_map<VertexId, Votes> votes;
-  int own = 0;
+  int own = 0, first_own = 0;
   for (const auto& [a, b] : mesh.edges(cell)) {
     for (const auto& [corner, other] : {std::make_pair(a, b), std::make_pair(b, a)}) {
       const auto snap = snaps_.find(corner);
       if (snap == snaps_.end()) continue;
       if (isOfEarlierPass(cell, snap->second.last_time)) continue;
       own += snap->second.side;
+      if (first_own == 0) first_own = snap->second.side;
       const auto other_snap = snaps_.find(other);
       if (isInFace(other) ||
           (other_snap != snaps_.end() && !isOfEarlierPass(cell, other_snap->second.last_time)))
@@ -317,16 +329,25 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
   const auto [origin, area] = planeOf(mesh.face(face_id), mesh.restPositions());
   const Eigen::Vector3d normal = area.normalized();
   double at_face = 0, anywhere = 0;
+  Votes all;
   for (const auto& [vertex, sum] : votes) {
     const double height = std::abs(normal.dot(mesh.restPosition(vertex) - origin));
     at_face += sum.at_face * height;
     anywhere += sum.anywhere * height;
+    all.at_face += sum.at_face;
+    all.anywhere += sum.anywhere;
   }
-  // No edge may leave the face's own corners but along it, and all of the cell may lie in the slit.
+  // No edge may leave the face's own corners but along it. A face that is not much longer than the slit is
+  // thick may stand across it, in one plane with all that tells. And all of the cell may lie in the slit.
   const double least = kSmallestHeight * mesh.localSize(cell);
   if (std::abs(at_face) > least) return at_face > 0 ? 1 : -1;
   if (std::abs(anywhere) > least) return anywhere > 0 ? 1 : -1;
-  return own == 0 ? 0 : own > 0 ? 1 : -1;
+  if (all.at_face != 0) return all.at_face > 0 ? 1 : -1;
+  if (all.anywhere != 0) return all.anywhere > 0 ? 1 : -1;
+  // Where as many come from either side, any will do, if it is the same from all faces: the cell is to hang
+  // together with one side and be parted from the other.
+  if (own == 0) return first_own;
+  return own > 0 ? 1 : -1;
 }
 
 bool Crossings::isInSlit(const Face& face) const {

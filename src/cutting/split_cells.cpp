@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "polyscalpel/core/checks.hpp"
+#include "polyscalpel/cutting/border_sides.hpp"
 #include "polyscalpel/cutting/cell_split.hpp"
 #include "polyscalpel/cutting/plane_hit.hpp"
 #include "polyscalpel/geometry/predicates.hpp"
@@ -165,7 +166,10 @@ class Splitter {
       is_split = splitOff(cell, components, parts);
     }
     if (is_split) return Outcome::kSplit;
-    if (components.size() < 2) return Outcome::kConnected;
+    if (components.size() < 2) {
+      crossings_.settle(cell);
+      return Outcome::kConnected;
+    }
     return divideAcross(cell, components, parts) ? Outcome::kSplit : Outcome::kLeftWhole;
   }
 
@@ -175,12 +179,13 @@ class Splitter {
     for (const auto& component : components) {
       const std::size_t savepoint = editor_.savepoint();
       CellSplit split(editor_, crossings_, cell, component);
-      if (!split.findBorder() || !split.divide(cut_)) {
+      if (!split.findBorder() || !divide(split)) {
         editor_.rollBackTo(savepoint);
         continue;
       }
       for (const auto& [edge, middle] : split.splitEdges()) crossings_.recordSplitEdge(mesh(), edge, middle);
-      crossings_.recordSplitCell(cell, split.first, split.second, split.capVertices(), split.firstSide());
+      crossings_.recordSplitCell(cell, split.first, split.second, split.capVertices(), split.firstSide(),
+                                 components.size() == 2);
       followFaces(split.splitFaceParts());
       caps_.insert(split.cap.begin(), split.cap.end());
       parts.push_back(split.first);
@@ -189,6 +194,14 @@ class Splitter {
       return true;
     }
     return false;
+  }
+
+  /// Makes the cap of a split whose border is found.
+  bool divide(CellSplit& split) {
+    if (!border_) return split.divide(cut_);
+    BorderSides sides = *border_;
+    sides.follow(editor_.changeSince(border_since_).new_vertices);
+    return split.divide(cut_, &sides);
   }
 
   /// Where both ends of an edge within the slit lie on its front, the edge's two sides still share them, and
@@ -244,6 +257,12 @@ class Splitter {
       }
       Splitter across(editor_, plane, tolerance, 0);
       across.most_divisions_ = 0;
+      // An edge within the dividing face that goes from one side of the border to the other is crossed by
+      // nothing, and would join them for good.
+      BorderSides sides(split.capLoop(), components[attempt / 2],
+                        [&](VertexId v) { return crossings_.isSnapped(cell, v); });
+      across.border_ = &sides;
+      across.border_since_ = divided;
       across.splitRepeatedly(cell);
       const MeshChange change = editor_.changeSince(divided);
       if (change.new_cells.empty()) {
@@ -251,16 +270,9 @@ class Splitter {
         continue;
       }
       for (const auto& [edge, middle] : split.splitEdges()) crossings_.recordSplitEdge(mesh(), edge, middle);
-      std::set<Edge> border;
-      const auto& loop = split.capLoop();
-      for (std::size_t i = 0; i < loop.size(); ++i)
-        border.insert(makeEdge(loop[i], loop[(i + 1) % loop.size()]));
-      for (const NewVertex& vertex : change.new_vertices) {
-        const bool is_on_border = border.count(makeEdge(vertex.parents[0], vertex.parents[1])) > 0;
-        crossings_.recordDividedEdge(mesh(), vertex, is_on_border);
-        if (!is_on_border) continue;
-        for (const VertexId end : vertex.parents) border.insert(makeEdge(end, vertex.vertex));
-      }
+      sides.follow(change.new_vertices);
+      for (const NewVertex& vertex : change.new_vertices)
+        crossings_.recordDividedEdge(mesh(), vertex, sides.isOnBorder(vertex.vertex));
       for (const NewVertex& vertex : change.new_vertices)
         crossings_.snapNear(mesh(), vertex.vertex, tolerance);
       crossings_.recordDividedCells(change);
@@ -269,10 +281,25 @@ class Splitter {
       for (const NewCell& part : change.new_cells) {
         divisions_[part.cell] = depth + 1;
         parts.push_back(part.cell);
+        if (joinsSides(part.cell, sides)) counts.left_whole.push_back(part.cell);
       }
       return true;
     }
     return false;
+  }
+
+  /// Whether vertices of a cell on both sides of a border hang together.
+  bool joinsSides(CellId cell, const BorderSides& sides) const {
+    const auto& vertices = mesh().cell(cell).vertices;
+    auto components = findComponents(mesh(), crossings_, cell);
+    if (components.empty()) components.push_back({vertices.begin(), vertices.end()});
+    return std::any_of(components.begin(), components.end(), [&](const auto& component) {
+      const auto hasSide = [&](int side) {
+        return std::any_of(component.begin(), component.end(),
+                           [&](VertexId v) { return sides.at(v) == side; });
+      };
+      return hasSide(-1) && hasSide(1);
+    });
   }
 
   /// Whether chords have cut flat faces off the two at an edge in which vertices hang: the chords then join
@@ -405,6 +432,8 @@ class Splitter {
   FaceParts face_parts_;   // of all faces divided so far
   std::unordered_map<CellId, int> divisions_;
   int most_divisions_ = kMostDivisions;
+  const BorderSides* border_ = nullptr;  // where set: no edge of a cap may join its two sides
+  std::size_t border_since_ = 0;         // savepoint up to which it tells
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "polyscalpel/cutting/border_sides.hpp"
 #include "polyscalpel/cutting/crossings.hpp"
 #include "polyscalpel/mesh/mesh_editing.hpp"
 
@@ -31,8 +32,9 @@ class CellSplit {
   /// kSmallestRelativeSubTet.
   bool findBorder();
 
-  /// Divides the cell along the border found, and checks what has been touched.
-  bool divide(int cut);
+  /// Divides the cell along the border found, and checks what has been touched. sides: of another border,
+  /// which no edge of the cap may cross; nullptr: of none.
+  bool divide(int cut, const BorderSides* sides = nullptr);
 
   CellId first, second;
   std::vector<FaceId> cap;
@@ -54,6 +56,7 @@ class CellSplit {
   bool hasFlap(const FaceLoop& loop, std::size_t start, std::size_t end) const;
   bool findCap();
   Eigen::Vector3d vertexMeanOfPart(bool is_first) const;
+  bool joinsSides(const BorderSides& sides) const;
 
   MeshEditor& editor_;
   const Crossings& crossings_;

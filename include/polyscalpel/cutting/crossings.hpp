@@ -71,8 +71,13 @@ class Crossings {
   void recordSplitEdge(const PolyhedralMesh& mesh, Edge edge, VertexId middle);
 
   /// Records the two parts of a cell. first_side: side of the blade's surface on which the first part lies.
+  /// is_second_whole: what has been crossed does not disconnect the second part any further. As long as it
+  /// does, that part counts the corners of its caps, through which its own parts would hang together else.
   void recordSplitCell(CellId cell, CellId first, CellId second, const std::vector<VertexId>& cap_vertices,
-                       int first_side);
+                       int first_side, bool is_second_whole);
+
+  /// The cell no longer counts the corners of its caps: nothing disconnects it any further.
+  void settle(CellId cell);
 
   /// Records that an edge has got a vertex for another reason; is_on_cut: the edge lies in the blade's
   /// surface.
@@ -141,6 +146,8 @@ class Crossings {
     std::vector<std::pair<VertexId, int>> again;  ///< the same as the blade comes back, released before
     int sideOfNeighbour(VertexId neighbour) const;
   };
+  /// In place of the time at which a corner became one, where the part still counts it.
+  static constexpr int kNotYetSettled = -1;
   struct Part {
     int side = 0;
     boost::container::flat_map<VertexId, int> settled;  ///< corners of its caps, and when they became that
