@@ -162,8 +162,9 @@ class Sweep {
       if (!meets(box, blade_start, travel)) continue;
 
       SignedSum sum;
-      addToolHalf(blade_start, blade_end, a_start, b_start, sum);
-      if (moves_) addTissueHalf(blade_end, a_start, b_start, a_end, b_end, sum);
+      const EdgeMotion way{a_start, b_start, a_end, b_end};
+      addToolHalf(blade_start, blade_end, way, sum);
+      if (moves_) addTissueHalf(blade_start, blade_end, way, sum);
       if (sum.isEven() && halvings_left > 0) {
         const double middle = 0.5 * (from + to);
         findHits(from, middle, halvings_left - 1, hits);
@@ -204,31 +205,54 @@ class Sweep {
     return (1 - s) * motion_.positions_start.col(v.index()) + s * motion_.positions_end.col(v.index());
   }
 
-  /// The edge a-b at rest against the triangles swept by the blade's segments.
-  static void addToolHalf(const Matrix3Xd& start, const Matrix3Xd& end, const Vector3d& a, const Vector3d& b,
+  /// An edge over a sub-step.
+  struct EdgeMotion {
+    Vector3d a_start, b_start, a_end, b_end;
+    Vector3d travelAt(double weight) const {
+      return (1 - weight) * (a_end - a_start) + weight * (b_end - b_start);
+    }
+  };
+
+  // The normal of the surface, at a hit, is that of the way of the blade relative to the tissue. The
+  // triangles of either half are tilted against it, as is what a long blade that turns sweeps in one
+  // sub-step.
+
+  /// The edge where it starts against the triangles swept by the blade's segments.
+  static void addToolHalf(const Matrix3Xd& start, const Matrix3Xd& end, const EdgeMotion& edge,
                           SignedSum& sum) {
+    const Vector3d &a = edge.a_start, &b = edge.b_start;
     for (int i = 0; i + 1 < start.cols(); ++i) {
       const Vector3d p0 = start.col(i), p1 = end.col(i), q0 = start.col(i + 1), q1 = end.col(i + 1);
-      for (const auto& [u, v, w] : {std::make_tuple(p0, q0, q1), std::make_tuple(p0, q1, p1)}) {
-        const TriangleCrossing crossing = crossTriangle(a, b, u, v, w, MeshPart::kSegment);
-        if (crossing.sign != 0)
-          sum.add(crossing.sign, crossing.segment_parameter, b - a, (v - u).cross(w - u));
-      }
+      const auto add = [&](const TriangleCrossing& crossing, double along, double time) {
+        const double weight = crossing.segment_parameter;
+        const Vector3d blade = (1 - time) * (q0 - p0) + time * (q1 - p1),
+                       travel = (1 - along) * (p1 - p0) + along * (q1 - q0);
+        sum.add(crossing.sign, weight, b - a, blade.cross(travel - edge.travelAt(weight)));
+      };
+      const TriangleCrossing first = crossTriangle(a, b, p0, q0, q1, MeshPart::kSegment);
+      if (first.sign != 0) add(first, first.barycentric[1] + first.barycentric[2], first.barycentric[2]);
+      const TriangleCrossing second = crossTriangle(a, b, p0, q1, p1, MeshPart::kSegment);
+      if (second.sign != 0) add(second, second.barycentric[1], second.barycentric[1] + second.barycentric[2]);
     }
   }
 
-  /// The blade's segments at rest against the triangles swept by the edge a-b. The sign is that of the tool
-  /// half for the same relative motion: det(edge, segment, -motion of the tissue) = segment . (edge x motion
-  /// of the tissue).
-  static void addTissueHalf(const Matrix3Xd& blade, const Vector3d& a0, const Vector3d& b0,
-                            const Vector3d& a1, const Vector3d& b1, SignedSum& sum) {
-    for (int i = 0; i + 1 < blade.cols(); ++i) {
-      const Vector3d p = blade.col(i), q = blade.col(i + 1);
-      const Vector3d normal = (q - p).cross(0.5 * (a0 + b0) - 0.5 * (a1 + b1));
+  /// The blade's segments where they end against the triangles swept by the edge. The sign is that of the
+  /// tool half for the same relative motion: det(edge, segment, -motion of the tissue) = segment . (edge x
+  /// motion of the tissue).
+  static void addTissueHalf(const Matrix3Xd& start, const Matrix3Xd& end, const EdgeMotion& edge,
+                            SignedSum& sum) {
+    const auto& [a0, b0, a1, b1] = edge;
+    for (int i = 0; i + 1 < end.cols(); ++i) {
+      const Vector3d p = end.col(i), q = end.col(i + 1);
+      const auto add = [&](const TriangleCrossing& crossing, double weight) {
+        const double along = crossing.segment_parameter;
+        const Vector3d travel = (1 - along) * (p - start.col(i)) + along * (q - start.col(i + 1));
+        sum.add(crossing.sign, weight, b0 - a0, (q - p).cross(travel - edge.travelAt(weight)));
+      };
       const TriangleCrossing first = crossTriangle(p, q, a0, b0, b1, MeshPart::kTriangle);
-      if (first.sign != 0) sum.add(first.sign, first.barycentric[1] + first.barycentric[2], b0 - a0, normal);
+      if (first.sign != 0) add(first, first.barycentric[1] + first.barycentric[2]);
       const TriangleCrossing second = crossTriangle(p, q, a0, b1, a1, MeshPart::kTriangle);
-      if (second.sign != 0) sum.add(second.sign, second.barycentric[1], b0 - a0, normal);
+      if (second.sign != 0) add(second, second.barycentric[1]);
     }
   }
 

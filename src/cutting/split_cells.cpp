@@ -31,6 +31,16 @@ constexpr int kMostDivisions = 3;
 /// Snap tolerance of the dividing plane, as part of that of the cut: such cells are small already.
 constexpr double kDivisionSnap = 0.1;
 
+/// A plane across a border.
+struct DividingPlane {
+  double along, across;  ///< its normal, in the border's longest and second principal axes
+  double shift;          ///< how far it lies off the border's middle, as part of the way to its end
+};
+/// In the order in which they are tried.
+constexpr DividingPlane kDividingPlanes[] = {{1, 0, 0},   {0, 1, 0},    {1, 1, 0},    {1, -1, 0},
+                                             {1, 0, 0.4}, {1, 0, -0.4}, {0, 1, 0.4},  {0, 1, -0.4},
+                                             {1, 1, 0.4}, {1, 1, -0.4}, {1, -1, 0.4}, {1, -1, -0.4}};
+
 /// The vertices of a cell that hang together through uncrossed edges; snapped vertices belong to none. Empty
 /// where there is but one such component, which is most often so.
 std::vector<std::vector<VertexId>> findComponents(const PolyhedralMesh& mesh, const Crossings& crossings,
@@ -170,7 +180,7 @@ class Splitter {
       crossings_.settle(cell);
       return Outcome::kConnected;
     }
-    return divideAcross(cell, components, parts) ? Outcome::kSplit : Outcome::kLeftWhole;
+    return divideAcross(cell, components) ? Outcome::kSplit : Outcome::kLeftWhole;
   }
 
   bool splitOff(CellId cell, const std::vector<std::vector<VertexId>>& components,
@@ -235,57 +245,78 @@ class Splitter {
   }
 
   /// Where the cap of a cell would be bent so much that a part does not see all its surface from any one
-  /// point: divides the cell by a closed plane across the longest way of the cap, whose parts are then split
-  /// by flatter caps. Returns whether it did.
-  bool divideAcross(CellId cell, const std::vector<std::vector<VertexId>>& components,
-                    std::vector<CellId>& parts) {
+  /// point: divides the cell by a closed plane across the cap, whose parts are then split by flatter caps.
+  /// Tries one plane after the other until nothing is left whole. Returns whether it did.
+  bool divideAcross(CellId cell, const std::vector<std::vector<VertexId>>& components) {
     const auto place = divisions_.find(cell);
     const int depth = place == divisions_.end() ? 0 : place->second;
     if (depth >= most_divisions_) return false;
-    for (std::size_t attempt = 0; attempt < 2 * components.size(); ++attempt) {
-      const std::size_t savepoint = editor_.savepoint();
-      CellSplit split(editor_, crossings_, cell, components[attempt / 2]);
-      if (!split.findBorder() || hasDoubledEdge(cell)) {
+    if (depth > 0) {
+      // Part of such a trial: the first plane that divides it will do.
+      for (const auto& component : components) {
+        for (const DividingPlane& plane : {kDividingPlanes[0], kDividingPlanes[1]}) {
+          if (divideBy(plane, cell, component, depth)) return true;
+        }
+      }
+      return false;
+    }
+    const Progress before{crossings_, counts, caps_, face_parts_, divisions_};
+    const std::size_t savepoint = editor_.savepoint();
+    for (const DividingPlane& plane : kDividingPlanes) {
+      for (const auto& component : components) {
+        if (!divideBy(plane, cell, component, depth)) continue;
+        if (counts.left_whole.size() == before.counts.left_whole.size()) return true;
         editor_.rollBackTo(savepoint);
-        continue;
+        crossings_ = before.crossings;
+        counts = before.counts;
+        caps_ = before.caps;
+        face_parts_ = before.face_parts;
+        divisions_ = before.divisions;
       }
-      const std::size_t divided = editor_.savepoint();
-      Crossings plane;
-      const double tolerance = kDivisionSnap * snap_tolerance_;
-      for (const Hit& hit : hitsAcross(cell, split.capLoop(), attempt % 2 == 0 ? 2 : 1)) {
-        plane.add(mesh(), hit, tolerance);
-      }
-      Splitter across(editor_, plane, tolerance, 0);
-      across.most_divisions_ = 0;
-      // An edge within the dividing face that goes from one side of the border to the other is crossed by
-      // nothing, and would join them for good.
-      BorderSides sides(split.capLoop(), components[attempt / 2],
-                        [&](VertexId v) { return crossings_.isSnapped(cell, v); });
-      across.border_ = &sides;
-      across.border_since_ = divided;
-      across.splitRepeatedly(cell);
-      const MeshChange change = editor_.changeSince(divided);
-      if (change.new_cells.empty()) {
-        editor_.rollBackTo(savepoint);
-        continue;
-      }
-      for (const auto& [edge, middle] : split.splitEdges()) crossings_.recordSplitEdge(mesh(), edge, middle);
-      sides.follow(change.new_vertices);
-      for (const NewVertex& vertex : change.new_vertices)
-        crossings_.recordDividedEdge(mesh(), vertex, sides.isOnBorder(vertex.vertex));
-      for (const NewVertex& vertex : change.new_vertices)
-        crossings_.snapNear(mesh(), vertex.vertex, tolerance);
-      crossings_.recordDividedCells(change);
-      followFaces(split.splitFaceParts());
-      followFaces(across.face_parts_);
-      for (const NewCell& part : change.new_cells) {
-        divisions_[part.cell] = depth + 1;
-        parts.push_back(part.cell);
-        if (joinsSides(part.cell, sides)) counts.left_whole.push_back(part.cell);
-      }
-      return true;
     }
     return false;
+  }
+
+  /// Divides a cell across the border of a component and splits the parts. Returns whether it did.
+  bool divideBy(const DividingPlane& dividing, CellId cell, const std::vector<VertexId>& component,
+                int depth) {
+    const std::size_t savepoint = editor_.savepoint();
+    CellSplit split(editor_, crossings_, cell, component);
+    if (!split.findBorder() || hasDoubledEdge(cell)) {
+      editor_.rollBackTo(savepoint);
+      return false;
+    }
+    const std::size_t divided = editor_.savepoint();
+    Crossings plane;
+    const double tolerance = kDivisionSnap * snap_tolerance_;
+    for (const Hit& hit : hitsAcross(cell, split.capLoop(), dividing)) plane.add(mesh(), hit, tolerance);
+    Splitter across(editor_, plane, tolerance, 0);
+    across.most_divisions_ = 0;
+    // An edge within the dividing face that goes from one side of the border to the other is crossed by
+    // nothing, and would join them for good.
+    BorderSides sides(split.capLoop(), component, [&](VertexId v) { return crossings_.isSnapped(cell, v); });
+    across.border_ = &sides;
+    across.border_since_ = divided;
+    across.splitRepeatedly(cell);
+    const MeshChange change = editor_.changeSince(divided);
+    if (change.new_cells.empty()) {
+      editor_.rollBackTo(savepoint);
+      return false;
+    }
+    for (const auto& [edge, middle] : split.splitEdges()) crossings_.recordSplitEdge(mesh(), edge, middle);
+    sides.follow(change.new_vertices);
+    for (const NewVertex& vertex : change.new_vertices)
+      crossings_.recordDividedEdge(mesh(), vertex, sides.isOnBorder(vertex.vertex));
+    for (const NewVertex& vertex : change.new_vertices) crossings_.snapNear(mesh(), vertex.vertex, tolerance);
+    crossings_.recordDividedCells(change);
+    followFaces(split.splitFaceParts());
+    followFaces(across.face_parts_);
+    for (const NewCell& part : change.new_cells) {
+      divisions_[part.cell] = depth + 1;
+      if (joinsSides(part.cell, sides)) counts.left_whole.push_back(part.cell);
+    }
+    for (const NewCell& part : change.new_cells) splitRepeatedly(part.cell);
+    return true;
   }
 
   /// Whether vertices of a cell on both sides of a border hang together.
@@ -309,15 +340,24 @@ class Splitter {
     return std::adjacent_find(edges.begin(), edges.end()) != edges.end();
   }
 
-  /// Hits of a cell's edges, in rest shape, on the plane through the middle of a border and across one of its
-  /// principal axes (2: the longest).
-  std::vector<Hit> hitsAcross(CellId cell, const std::vector<VertexId>& loop, int axis) const {
+  /// Hits of a cell's edges, in rest shape, on a plane across a border.
+  std::vector<Hit> hitsAcross(CellId cell, const std::vector<VertexId>& loop,
+                              const DividingPlane& plane) const {
     Eigen::Matrix3Xd points(3, loop.size());
     for (std::size_t i = 0; i < loop.size(); ++i) points.col(i) = mesh().restPosition(loop[i]);
-    const Eigen::Vector3d middle = points.rowwise().mean();
+    Eigen::Vector3d middle = points.rowwise().mean();
     points.colwise() -= middle;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(points * points.transpose());
-    const Eigen::Vector3d normal = axes.eigenvectors().col(axis);
+    // An axis has no sense of its own: it points to the later vertices, however the body lies.
+    Eigen::Vector3d to_later = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < loop.size(); ++i) to_later += loop[i].index() * points.col(i);
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    for (const auto& [axis, part] : {std::make_pair(2, plane.along), std::make_pair(1, plane.across)}) {
+      const Eigen::Vector3d direction = axes.eigenvectors().col(axis);
+      normal += (direction.dot(to_later) < 0 ? -part : part) * direction;
+    }
+    normal.normalize();
+    middle += plane.shift * (normal.transpose() * points).cwiseAbs().maxCoeff() * normal;
     std::vector<Hit> hits;
     for (const Edge& edge : mesh().edges(cell)) {
       const Eigen::Vector3d a = mesh().restPosition(edge.first), b = mesh().restPosition(edge.second);
@@ -423,6 +463,15 @@ class Splitter {
     }
     return side;
   }
+
+  /// What is to be taken back with a trial that has led nowhere.
+  struct Progress {
+    Crossings crossings;
+    SplitCounts counts;
+    std::set<FaceId> caps;
+    FaceParts face_parts;
+    std::unordered_map<CellId, int> divisions;
+  };
 
   MeshEditor& editor_;
   Crossings& crossings_;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "polyscalpel/mesh/mesh_checks.hpp"
+#include "polyscalpel/mesh/mesh_editing.hpp"
 #include "polyscalpel/mesh/surface.hpp"
 #include "support/plane_pieces.hpp"
 
@@ -26,6 +27,14 @@ constexpr int kMostCellsCheckedEachStep = 4000;
 double largestLocalSize(const PolyhedralMesh& mesh, CellId cell) {
   double size = 0;
   for (const VertexId v : mesh.cell(cell).vertices) size = std::max(size, mesh.localSize(v));
+  return size;
+}
+
+/// A vertex made between two others has the smaller of their sizes, and may lie as far off a cut as the one
+/// of the larger size, through which the cut goes.
+double largestLocalSizeAround(const PolyhedralMesh& mesh, VertexId vertex) {
+  double size = 0;
+  for (const CellId cell : cellsAround(mesh, vertex)) size = std::max(size, largestLocalSize(mesh, cell));
   return size;
 }
 
@@ -158,7 +167,8 @@ void TortureBody::compareWithSeparators(const CuttingConfig& config, TortureOutc
   for (int i = 0; i < mesh_.numVertices(); ++i) {
     const VertexId v(i);
     if (!mesh_.facesAround(v).empty())
-      add(mesh_.restPosition(v), mesh_.localSize(v), mesh_.face(mesh_.facesAround(v).front()).cells[0]);
+      add(mesh_.restPosition(v), largestLocalSizeAround(mesh_, v),
+          mesh_.face(mesh_.facesAround(v).front()).cells[0]);
   }
   for (const CellId id : mesh_.cells()) {
     Vector3d mean = Vector3d::Zero();
