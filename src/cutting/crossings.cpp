@@ -269,23 +269,35 @@ void Crossings::recordSplitCell(CellId cell, CellId first, CellId second,
     part.settled = std::move(former->second.settled);
     parts_.erase(former);
   }
+  // What is left of three may lie on the same side as the one before: corners of the cut part them, no sheet.
+  const bool is_rest = std::any_of(part.settled.begin(), part.settled.end(),
+                                   [](const auto& corner) { return corner.second == kNotYetSettled; });
   for (const VertexId v : cap_vertices) part.settled[v] = kNotYetSettled;
   parts_[second] = part;
-  parts_[second].side = -first_side;
-  if (is_second_whole) settle(second);
+  if (is_second_whole) parts_[second].settle(time_);
+  parts_[second].side = is_rest ? 0 : -first_side;
+  part.settle(time_);
   part.side = first_side;
   parts_[first] = std::move(part);
-  settle(first);
   inheritPasses(cell, first);
   inheritPasses(cell, second);
 }
 
 void Crossings::settle(CellId cell) {
   const auto part = parts_.find(cell);
-  if (part == parts_.end()) return;
-  for (auto& [vertex, time] : part->second.settled) {
-    if (time == kNotYetSettled) time = time_;
+  if (part == parts_.end() || !part->second.settle(time_)) return;
+  // The side was that of all that was left when another part was cut off.
+  part->second.side = 0;
+}
+
+bool Crossings::Part::settle(int time) {
+  bool has_settled = false;
+  for (auto& [vertex, since] : settled) {
+    if (since != kNotYetSettled) continue;
+    since = time;
+    has_settled = true;
   }
+  return has_settled;
 }
 
 void Crossings::inheritPasses(CellId cell, CellId part) {
@@ -298,7 +310,7 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
   const auto& loop = mesh.face(face_id).loop;
   const auto isInFace = [&](VertexId v) { return std::find(loop.begin(), loop.end(), v) != loop.end(); };
   const auto part = parts_.find(cell);
-  if (part != parts_.end() &&
+  if (part != parts_.end() && part->second.side != 0 &&
       std::all_of(loop.begin(), loop.end(), [&](VertexId v) { return part->second.settled.count(v) > 0; })) {
     return part->second.side;
   }

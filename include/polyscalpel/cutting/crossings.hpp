@@ -149,8 +149,10 @@ class Crossings {
   /// In place of the time at which a corner became one, where the part still counts it.
   static constexpr int kNotYetSettled = -1;
   struct Part {
-    int side = 0;
+    int side = 0;                                       ///< 0: to be told by its vertices
     boost::container::flat_map<VertexId, int> settled;  ///< corners of its caps, and when they became that
+    /// Has the corners settle that have not yet. Returns whether there were any.
+    bool settle(int time);
   };
   struct Earlier {
     int until = 0;  ///< when the blade had last left the cell
