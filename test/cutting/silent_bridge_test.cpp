@@ -118,12 +118,12 @@ TEST(SilentBridge, AHitKnowsTheAngleToTheSurfaceHoweverLongTheBladeThatTurns) {
   for (const Hit& hit : *hits) {
     const Vector3d a = rest.col(hit.edge.first.index()), b = rest.col(hit.edge.second.index());
     const Vector3d point = (1 - hit.weight) * a + hit.weight * b;
-    // Where the blade's surface is (0, 0, u) turned by 0.5 x, its normal is the sum of these at a right
-    // angle.
+    // The blade lies along its z axis and turns by 0.5 rad a metre: there the surface moves by 0.5 z against
+    // its y axis on a way of one metre.
     const Isometry3d T = pose(point.x());
     const Vector3d local = T.inverse() * point;
     const Vector3d normal = (T.linear() * Vector3d(0.5 * local.z(), 1, 0)).normalized();
-    EXPECT_NEAR(hit.alignment, std::abs(normal.dot((b - a).normalized())), 0.1);
+    EXPECT_NEAR(hit.alignment, std::abs(normal.dot((b - a).normalized())), 0.01);
   }
 }
 
