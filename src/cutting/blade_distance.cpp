@@ -102,12 +102,10 @@ bool isSegmentAt(const PolyhedralMesh& mesh, CellId id, const Positions& positio
   // Most of the others are clear of it, which costs far less to find than the distance of each triangle.
   if (isPartedFrom(mesh, id, positions, p, q, distance)) return false;
   for (const FaceId face_id : mesh.cell(id).faces) {
-    const Face& face = mesh.face(face_id);
-    for (int i = 0; i < numTriangles(face); ++i) {
-      if (closestPointsOfSegmentAndTriangle(p, q, triangleCorners(face, i, positions)).squared_distance <=
-          distance * distance)
-        return true;
-    }
+    const bool is_clear = visitTriangles(mesh.face(face_id), positions, [&](const Eigen::Matrix3d& corners) {
+      return closestPointsOfSegmentAndTriangle(p, q, corners).squared_distance > distance * distance;
+    });
+    if (!is_clear) return true;
   }
   return false;
 }

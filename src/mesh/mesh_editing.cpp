@@ -46,6 +46,10 @@ class DisjointSets {
   std::vector<int> parents_;
 };
 
+VertexId endOfFewerFaces(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
+  return mesh.facesAround(b).size() < mesh.facesAround(a).size() ? b : a;
+}
+
 /// Cells that have one of the faces, ascending.
 std::vector<CellId> cellsOf(const PolyhedralMesh& mesh, const std::vector<FaceId>& faces) {
   std::vector<CellId> cells;
@@ -61,21 +65,9 @@ std::vector<CellId> cellsOf(const PolyhedralMesh& mesh, const std::vector<FaceId
 
 }  // namespace
 
-int findInLoop(const Face& face, VertexId vertex) {
-  const auto place = std::find(face.loop.begin(), face.loop.end(), vertex);
-  return place == face.loop.end() ? -1 : static_cast<int>(place - face.loop.begin());
-}
-
-bool hasEdge(const Face& face, VertexId a, VertexId b) {
-  const int i = findInLoop(face, a);
-  if (i < 0) return false;
-  const std::size_t n = face.loop.size();
-  return face.loop[(i + 1) % n] == b || face.loop[(i + n - 1) % n] == b;
-}
-
 std::vector<CellId> cellsAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
   std::vector<CellId> cells;
-  for (const FaceId id : mesh.facesAround(a)) {
+  for (const FaceId id : mesh.facesAround(endOfFewerFaces(mesh, a, b))) {
     const Face& face = mesh.face(id);
     if (!hasEdge(face, a, b)) continue;
     for (const CellId cell : face.cells) {
@@ -92,7 +84,7 @@ std::vector<CellId> cellsAround(const PolyhedralMesh& mesh, VertexId vertex) {
 
 int numFansAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
   int num_faces = 0, num_boundary_faces = 0;
-  for (const FaceId id : mesh.facesAround(a)) {
+  for (const FaceId id : mesh.facesAround(endOfFewerFaces(mesh, a, b))) {
     if (!hasEdge(mesh.face(id), a, b)) continue;
     ++num_faces;
     num_boundary_faces += mesh.face(id).isBoundary();
@@ -486,6 +478,13 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
     return static_cast<int>(std::count_if(journal_.begin() + savepoint, journal_.end(),
                                           [&](const Undo& undo) { return undo.kind == kind; }));
   };
+  // A cut touches each cell and face many times.
+  cell_marks_.resize(mesh_.cellCapacity());
+  face_marks_.resize(mesh_.faceCapacity());
+  const auto addOnce = [](int id, auto& list, std::vector<char>& marks) {
+    if (!marks[id]) list.emplace_back(id);
+    marks[id] = 1;
+  };
   // Ids from these on have been given since: no list of them needs to be sorted.
   const int first_new_cell = mesh_.cellCapacity() - countOf(Undo::Kind::kNewCell);
   const int first_new_face = mesh_.faceCapacity() - countOf(Undo::Kind::kNewFace);
@@ -497,11 +496,11 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
       case Undo::Kind::kFaceOfCellAdded:
       case Undo::Kind::kFaceOfCellErased:
       case Undo::Kind::kVertexOfCellAdded:
-        if (undo.id < first_new_cell) cells.emplace_back(undo.id);
+        if (undo.id < first_new_cell) addOnce(undo.id, cells, cell_marks_);
         break;
       case Undo::Kind::kOldFace:
       case Undo::Kind::kOldFaceCells:
-        if (undo.id < first_new_face) change.changed_faces.emplace_back(undo.id);
+        if (undo.id < first_new_face) addOnce(undo.id, change.changed_faces, face_marks_);
         break;
       case Undo::Kind::kRetiredVertex:
         change.retired_vertices.emplace_back(undo.id);
@@ -517,10 +516,12 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
   }
   sortUnique(change.retired_vertices);
   change.new_vertices.assign(new_vertices_.end() - countOf(Undo::Kind::kNewVertex), new_vertices_.end());
-  sortUnique(change.changed_faces);
+  for (const FaceId id : change.changed_faces) face_marks_[id.index()] = 0;
+  for (const CellId id : cells) cell_marks_[id.index()] = 0;
+  std::sort(change.changed_faces.begin(), change.changed_faces.end());
   for (int face = first_new_face; face < mesh_.faceCapacity(); ++face)
     change.changed_faces.emplace_back(face);
-  sortUnique(cells);
+  std::sort(cells.begin(), cells.end());
   for (const CellId id : cells)
     (mesh_.cell(id).isAlive() ? change.changed_cells : change.removed_cells).push_back(id);
   for (int cell = first_new_cell; cell < mesh_.cellCapacity(); ++cell) {
