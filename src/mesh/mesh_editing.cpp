@@ -474,10 +474,12 @@ void MeshEditor::removeCells(const std::vector<CellId>& cells) {
 
 MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
   MeshChange change;
-  const auto countOf = [&](Undo::Kind kind) {
-    return static_cast<int>(std::count_if(journal_.begin() + savepoint, journal_.end(),
-                                          [&](const Undo& undo) { return undo.kind == kind; }));
-  };
+  int num_new_cells = 0, num_new_faces = 0, num_new_vertices = 0;
+  for (std::size_t i = savepoint; i < journal_.size(); ++i) {
+    num_new_cells += journal_[i].kind == Undo::Kind::kNewCell;
+    num_new_faces += journal_[i].kind == Undo::Kind::kNewFace;
+    num_new_vertices += journal_[i].kind == Undo::Kind::kNewVertex;
+  }
   // A cut touches each cell and face many times.
   cell_marks_.resize(mesh_.cellCapacity());
   face_marks_.resize(mesh_.faceCapacity());
@@ -486,8 +488,8 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
     marks[id] = 1;
   };
   // Ids from these on have been given since: no list of them needs to be sorted.
-  const int first_new_cell = mesh_.cellCapacity() - countOf(Undo::Kind::kNewCell);
-  const int first_new_face = mesh_.faceCapacity() - countOf(Undo::Kind::kNewFace);
+  const int first_new_cell = mesh_.cellCapacity() - num_new_cells;
+  const int first_new_face = mesh_.faceCapacity() - num_new_faces;
   std::vector<CellId> cells;
   for (std::size_t i = savepoint; i < journal_.size(); ++i) {
     const Undo& undo = journal_[i];
@@ -515,7 +517,7 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
     }
   }
   sortUnique(change.retired_vertices);
-  change.new_vertices.assign(new_vertices_.end() - countOf(Undo::Kind::kNewVertex), new_vertices_.end());
+  change.new_vertices.assign(new_vertices_.end() - num_new_vertices, new_vertices_.end());
   for (const FaceId id : change.changed_faces) face_marks_[id.index()] = 0;
   for (const CellId id : cells) cell_marks_[id.index()] = 0;
   std::sort(change.changed_faces.begin(), change.changed_faces.end());
@@ -535,7 +537,7 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
 
 MeshChange MeshEditor::commit() {
   MeshChange change = changeSince(0);
-  journal_.clear();
+  journal_ = {};
   saved_.clear();
   new_vertices_.clear();
   parents_.clear();

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "polyscalpel/mesh/block_list.hpp"
 #include "polyscalpel/mesh/mesh_change.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
 
@@ -112,7 +113,7 @@ class MeshEditor {
   void refreshVertices(CellId id);
 
   PolyhedralMesh& mesh_;
-  std::vector<Undo> journal_;
+  BlockList<Undo> journal_;
   std::vector<int> saved_;
   std::vector<NewVertex> new_vertices_;
   std::vector<CellId> parents_;  ///< of the cells from first_new_cell_ on, the cell that was split
