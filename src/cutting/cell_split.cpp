@@ -37,7 +37,10 @@ bool CellSplit::findBorder() {
 }
 
 bool CellSplit::divide(int cut) {
-  const auto facets = makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false));
+  const auto facets =
+      cap_loop_.size() == 3
+          ? std::vector<std::vector<VertexId>>{cap_loop_}  // needs no apexes
+          : makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false));
   const auto split = editor_.splitCell(cell_, first_faces_, facets, cut);
   first = split.first;
   second = split.second;
@@ -115,6 +118,7 @@ bool CellSplit::hasFlap(const FaceLoop& loop, std::size_t start, std::size_t end
 
 /// Chains the half-edges between the component's faces and the rest into the one loop that the cap must be.
 bool CellSplit::findCap() {
+  first_faces_.reserve(mesh().cell(cell_).faces.size());
   boost::container::small_flat_map<Edge, int, 32> count;  // of the component's faces at an edge
   for (const FaceId id : mesh().cell(cell_).faces) {
     const auto& loop = mesh().face(id).loop;
@@ -137,6 +141,7 @@ bool CellSplit::findCap() {
     }
   }
   if (next.size() < 3) return false;
+  cap_loop_.reserve(next.size() + 1);
   VertexId at = next.begin()->first;
   do {
     cap_loop_.push_back(at);

@@ -10,6 +10,9 @@
 namespace polyscalpel {
 namespace {
 
+/// Faces at an edge, each with two cells: more are rare.
+constexpr std::size_t kUsualEdgeFaces = 16;
+
 template <class T>
 void sortUnique(std::vector<T>& values) {
   std::sort(values.begin(), values.end());
@@ -67,6 +70,7 @@ std::vector<CellId> cellsOf(const PolyhedralMesh& mesh, const std::vector<FaceId
 
 std::vector<CellId> cellsAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
   std::vector<CellId> cells;
+  cells.reserve(kUsualEdgeFaces);
   for (const FaceId id : mesh.facesAround(endOfFewerFaces(mesh, a, b))) {
     const Face& face = mesh.face(id);
     if (!hasEdge(face, a, b)) continue;
@@ -295,17 +299,19 @@ VertexId MeshEditor::addVertex(const NewVertex& origin) {
 
 void MeshEditor::refreshVertices(CellId id) {
   Cell& cell = mesh_.cells_[id.index()];
-  cell.vertices.clear();
+  boost::container::small_vector<VertexId, 64> vertices;
   for (const FaceId face : cell.faces) {
     const auto& loop = mesh_.face(face).loop;
-    cell.vertices.insert(cell.vertices.end(), loop.begin(), loop.end());
+    vertices.insert(vertices.end(), loop.begin(), loop.end());
   }
-  sortUnique(cell.vertices);
+  std::sort(vertices.begin(), vertices.end());
+  cell.vertices.assign(vertices.begin(), std::unique(vertices.begin(), vertices.end()));
 }
 
 VertexId MeshEditor::splitEdge(VertexId a, VertexId b, double weight) {
   POLYSCALPEL_ASSERT(weight > 0 && weight < 1);
   std::vector<FaceId> faces;
+  faces.reserve(kUsualEdgeFaces);
   for (const FaceId id : mesh_.facesAround(a)) {
     if (hasEdge(mesh_.face(id), a, b)) faces.push_back(id);
   }
@@ -356,6 +362,7 @@ std::pair<FaceId, FaceId> MeshEditor::splitFace(FaceId id, VertexId a, VertexId 
 MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceId>& first_faces,
                                             const std::vector<std::vector<VertexId>>& cap_facets, int cut) {
   std::vector<FaceId> second_faces;
+  second_faces.reserve(mesh_.cell(cell).faces.size() - first_faces.size() + cap_facets.size());
   for (const FaceId face : mesh_.cell(cell).faces) {
     if (std::find(first_faces.begin(), first_faces.end(), face) == first_faces.end())
       second_faces.push_back(face);
@@ -363,7 +370,8 @@ MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceI
   POLYSCALPEL_ASSERT(!first_faces.empty() && !second_faces.empty());
   SplitCell split;
   split.first = addCell(cell, first_faces);
-  split.second = addCell(cell, second_faces);
+  split.second = addCell(cell, std::move(second_faces));
+  split.cap.reserve(cap_facets.size());
   for (const auto& loop : cap_facets) {
     Face facet;
     facet.loop.assign(loop.begin(), loop.end());
@@ -373,11 +381,9 @@ MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceI
     split.cap.push_back(addFace(std::move(facet)));
   }
 
-  for (const auto& [part, faces] :
-       {std::make_pair(split.first, &first_faces),
-        std::make_pair(split.second, static_cast<const std::vector<FaceId>*>(&second_faces))}) {
-    for (const FaceId id : *faces) replaceCell(id, cell, part);
+  for (const CellId part : {split.first, split.second}) {
     auto& part_faces = mesh_.cells_[part.index()].faces;
+    for (const FaceId id : part_faces) replaceCell(id, cell, part);
     part_faces.insert(part_faces.end(), split.cap.begin(), split.cap.end());
     refreshVertices(part);
   }

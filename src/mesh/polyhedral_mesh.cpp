@@ -321,6 +321,7 @@ CellId PolyhedralMesh::neighbour(FaceId face_id, CellId cell) const {
 
 std::vector<std::pair<VertexId, VertexId>> PolyhedralMesh::edges(CellId id) const {
   std::vector<std::pair<VertexId, VertexId>> edges;
+  edges.reserve(cell(id).vertices.size() + cell(id).faces.size());  // Euler: two fewer
   forEachEdge(id, [&](VertexId a, VertexId b) { edges.emplace_back(a, b); });
   std::sort(edges.begin(), edges.end());
   return edges;
