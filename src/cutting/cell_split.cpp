@@ -26,10 +26,14 @@ constexpr double kSmallestEdgePart = 1e-9;
 
 CellSplit::CellSplit(MeshEditor& editor, const Crossings& crossings, CellId cell,
                      const std::vector<VertexId>& component)
-    : editor_(editor), crossings_(crossings), cell_(cell), component_(component.begin(), component.end()) {}
+    : editor_(editor), crossings_(crossings), cell_(cell), component_(component.begin(), component.end()) {
+  for (const VertexId v : mesh().cell(cell).vertices) {
+    if (crossings.isSnapped(cell, v)) snapped_.insert(snapped_.end(), v);
+  }
+}
 
 bool CellSplit::isOnCut(VertexId v) const {
-  return middles_.count(v) || (!isInComponent(v) && crossings_.isSnapped(cell_, v));
+  return middles_.count(v) || (snapped_.count(v) && !isInComponent(v));
 }
 
 bool CellSplit::findBorder() {

@@ -128,6 +128,7 @@ const int* MeshEditor::restore(const int* saved, Values& values) {
 }
 
 void MeshEditor::rollBackTo(std::size_t savepoint) {
+  if (journal_.size() > savepoint) whole_change_.reset();
   for (; journal_.size() > savepoint; journal_.pop_back()) {
     const Undo& undo = journal_.back();
     const int* saved = saved_.data() + undo.saved;
@@ -538,11 +539,17 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
     while (parent.index() >= first_new_cell) parent = parents_[parent.index() - first_new_cell_];
     change.new_cells.push_back({CellId(cell), parent});
   }
+  if (savepoint == 0) {
+    whole_change_ = change;
+    edits_in_whole_change_ = journal_.size();
+  }
   return change;
 }
 
 MeshChange MeshEditor::commit() {
-  MeshChange change = changeSince(0);
+  MeshChange change = whole_change_ && edits_in_whole_change_ == journal_.size() ? std::move(*whole_change_)
+                                                                                 : changeSince(0);
+  whole_change_.reset();
   journal_ = {};
   saved_.clear();
   new_vertices_.clear();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -119,6 +120,9 @@ class MeshEditor {
   std::vector<CellId> parents_;  ///< of the cells from first_new_cell_ on, the cell that was split
   int first_new_cell_ = 0;
   mutable std::vector<char> cell_marks_, face_marks_;  ///< of changeSince(), 0 between its calls
+  /// What changeSince(0) has last returned, for commit(), which most often comes next.
+  mutable std::optional<MeshChange> whole_change_;
+  mutable std::size_t edits_in_whole_change_ = 0;
 };
 
 /// Index of a vertex in a face's loop, -1 where it is not in it.
