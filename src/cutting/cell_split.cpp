@@ -41,10 +41,9 @@ bool CellSplit::findBorder() {
 }
 
 bool CellSplit::divide(int cut) {
-  const auto facets =
-      cap_loop_.size() == 3
-          ? std::vector<std::vector<VertexId>>{cap_loop_}  // needs no apexes
-          : makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false));
+  const auto facets = cap_loop_.size() == 3
+                          ? std::vector<std::vector<VertexId>>{cap_loop_}  // needs no apexes
+                          : makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false));
   const auto split = editor_.splitCell(cell_, first_faces_, facets, cut);
   first = split.first;
   second = split.second;

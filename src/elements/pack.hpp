@@ -37,16 +37,6 @@ class Pack {
     decltype(Values{} < Values{}) lanes;
     friend Mask operator&&(Mask a, Mask b) { return {a.lanes & b.lanes}; }
     bool any() const {
-      // Lane by lane this costs more than the arithmetic around it.
-#if defined(__AVX512F__)
-      if constexpr (kWidth == 8) return _mm512_test_epi64_mask(__m512i(lanes), __m512i(lanes)) != 0;
-#endif
-#if defined(__AVX2__)
-      if constexpr (kWidth == 4) return _mm256_testz_si256(__m256i(lanes), __m256i(lanes)) == 0;
-#endif
-#if defined(__SSE2__)
-      if constexpr (kWidth == 2) return _mm_movemask_pd(__m128d(lanes)) != 0;
-#endif
       bool result = false;
       for (int lane = 0; lane < kWidth; ++lane) result = result || lanes[lane] != 0;
       return result;

@@ -547,8 +547,8 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
 }
 
 MeshChange MeshEditor::commit() {
-  MeshChange change = whole_change_ && edits_in_whole_change_ == journal_.size() ? std::move(*whole_change_)
-                                                                                 : changeSince(0);
+  MeshChange change =
+      whole_change_ && edits_in_whole_change_ == journal_.size() ? std::move(*whole_change_) : changeSince(0);
   whole_change_.reset();
   journal_ = {};
   saved_.clear();
