@@ -20,6 +20,13 @@ using Positions = Eigen::Ref<const Matrix3Xd>;
 /// in the plane that has just divided the cell for the segment before it.
 constexpr double kSmallestChord = 1e-6;
 
+/// What is left out in distances that decide, as part of the lengths and coordinates that go into them: more
+/// than rounding.
+constexpr double kRounding = 1e-12;
+
+/// Rounds of looking for a plane between a segment and a cell: later ones find hardly any.
+constexpr int kPartingRounds = 6;
+
 /// Whether the segment p-q meets the box (slab test of A. Williams et al., "An Efficient and Robust Ray-Box
 /// Intersection Algorithm", 2005, with division only by components that are not 0).
 bool meets(const AlignedBox3d& box, const Vector3d& p, const Vector3d& q) {
@@ -38,11 +45,51 @@ bool meets(const AlignedBox3d& box, const Vector3d& p, const Vector3d& q) {
   return enter <= leave;
 }
 
-bool isWithin(double distance, const Vector3d& point, const Vector3d& p, const Vector3d& q) {
+/// Parameter in [0, 1] of the point of the segment p-q that is closest to a point.
+double closestParameter(const Vector3d& point, const Vector3d& p, const Vector3d& q) {
   const Vector3d way = q - p;
   const double length = way.squaredNorm();
-  const double s = length > 0 ? std::clamp(way.dot(point - p) / length, 0.0, 1.0) : 0;
-  return (p + s * way - point).squaredNorm() <= distance * distance;
+  return length > 0 ? std::clamp(way.dot(point - p) / length, 0.0, 1.0) : 0;
+}
+
+bool isWithin(double distance, const Vector3d& point, const Vector3d& p, const Vector3d& q) {
+  return (p + closestParameter(point, p, q) * (q - p) - point).squaredNorm() <= distance * distance;
+}
+
+/// Whether a plane parts the segment p-q from all vertices of a cell, and with them from its surface, by more
+/// than a distance. Looks for one across the shortest way found so far from the segment to the vertices' hull
+/// (E. Gilbert, "An Iterative Procedure for Computing the Minimum of a Quadratic Form on a Convex Set",
+/// 1966); false may mean that it has not found it.
+bool isPartedFrom(const PolyhedralMesh& mesh, CellId id, const Positions& positions, const Vector3d& p,
+                  const Vector3d& q, double distance) {
+  const auto& vertices = mesh.cell(id).vertices;
+  Vector3d in_hull = Vector3d::Zero(), largest = p.cwiseAbs().cwiseMax(q.cwiseAbs());
+  for (const VertexId v : vertices) {
+    in_hull += positions.col(v.index());
+    largest = largest.cwiseMax(positions.col(v.index()).cwiseAbs());
+  }
+  in_hull /= static_cast<double>(vertices.size());
+  const double clearance = distance + kRounding * (distance + largest.maxCoeff());
+  for (int round = 0; round < kPartingRounds; ++round) {
+    const Vector3d on_segment = p + closestParameter(in_hull, p, q) * (q - p);
+    const double way = (in_hull - on_segment).norm();
+    if (way <= clearance) return false;
+    const Vector3d normal = (in_hull - on_segment) / way;
+    VertexId nearest;
+    double lowest = kInfinity;
+    for (const VertexId v : vertices) {
+      const double height = normal.dot(positions.col(v.index()) - on_segment);
+      if (height >= lowest) continue;
+      lowest = height;
+      nearest = v;
+    }
+    if (lowest - std::max(normal.dot(p - on_segment), normal.dot(q - on_segment)) > clearance) return true;
+    const Vector3d corner = positions.col(nearest.index());
+    const double step = closestParameter(on_segment, in_hull, corner);
+    if (step == 0) return false;
+    in_hull += step * (corner - in_hull);
+  }
+  return false;
 }
 
 bool isSegmentAt(const PolyhedralMesh& mesh, CellId id, const Positions& positions, const Vector3d& p,
@@ -52,13 +99,13 @@ bool isSegmentAt(const PolyhedralMesh& mesh, CellId id, const Positions& positio
     if (isWithin(distance, positions.col(v.index()), p, q)) return true;
   }
   if (meetsCell(mesh, id, positions, p, q)) return true;
+  // Most of the others are clear of it, which costs far less to find than the distance of each triangle.
+  if (isPartedFrom(mesh, id, positions, p, q, distance)) return false;
   for (const FaceId face_id : mesh.cell(id).faces) {
-    const Face& face = mesh.face(face_id);
-    for (int i = 0; i < numTriangles(face); ++i) {
-      if (closestPointsOfSegmentAndTriangle(p, q, triangleCorners(face, i, positions)).squared_distance <=
-          distance * distance)
-        return true;
-    }
+    const bool is_clear = visitTriangles(mesh.face(face_id), positions, [&](const Eigen::Matrix3d& corners) {
+      return closestPointsOfSegmentAndTriangle(p, q, corners).squared_distance > distance * distance;
+    });
+    if (!is_clear) return true;
   }
   return false;
 }

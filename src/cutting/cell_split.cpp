@@ -26,10 +26,14 @@ constexpr double kSmallestEdgePart = 1e-9;
 
 CellSplit::CellSplit(MeshEditor& editor, const Crossings& crossings, CellId cell,
                      const std::vector<VertexId>& component)
-    : editor_(editor), crossings_(crossings), cell_(cell), component_(component.begin(), component.end()) {}
+    : editor_(editor), crossings_(crossings), cell_(cell), component_(component.begin(), component.end()) {
+  for (const VertexId v : mesh().cell(cell).vertices) {
+    if (crossings.isSnapped(cell, v)) snapped_.insert(snapped_.end(), v);
+  }
+}
 
 bool CellSplit::isOnCut(VertexId v) const {
-  return middles_.count(v) || (!isInComponent(v) && crossings_.isSnapped(cell_, v));
+  return middles_.count(v) || (snapped_.count(v) && !isInComponent(v));
 }
 
 bool CellSplit::findBorder() {
@@ -41,8 +45,10 @@ bool CellSplit::divide(int cut, const BorderSides* sides) {
   if (sides) {
     for (const VertexId v : cap_loop_) sides_of_loop.push_back(sides->at(v));
   }
-  const auto facets =
-      makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false), sides_of_loop);
+  const auto facets = cap_loop_.size() == 3
+                          ? std::vector<std::vector<VertexId>>{cap_loop_}  // needs no apexes
+                          : makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false),
+                                          sides_of_loop);
   const auto split = editor_.splitCell(cell_, first_faces_, facets, cut);
   first = split.first;
   second = split.second;
@@ -121,6 +127,7 @@ bool CellSplit::hasFlap(const FaceLoop& loop, std::size_t start, std::size_t end
 
 /// Chains the half-edges between the component's faces and the rest into the one loop that the cap must be.
 bool CellSplit::findCap() {
+  first_faces_.reserve(mesh().cell(cell_).faces.size());
   boost::container::small_flat_map<Edge, int, 32> count;  // of the component's faces at an edge
   for (const FaceId id : mesh().cell(cell_).faces) {
     const auto& loop = mesh().face(id).loop;
@@ -143,6 +150,7 @@ bool CellSplit::findCap() {
     }
   }
   if (next.size() < 3) return false;
+  cap_loop_.reserve(next.size() + 1);
   VertexId at = next.begin()->first;
   do {
     cap_loop_.push_back(at);

@@ -13,10 +13,6 @@ constexpr double kLargestAlignmentOfBend = 0.5;
 
 }  // namespace
 
-Edge makeEdge(VertexId a, VertexId b) {
-  return a < b ? Edge{a, b} : Edge{b, a};
-}
-
 CrossedEdge CrossedEdge::reversed() const {
   CrossedEdge other = *this;
   other.weight = 1 - weightAt(false);

@@ -29,6 +29,7 @@ constexpr double kLargestAlignmentInSlit = 0.5;
 /// Vertices joined to `vertex` by an edge.
 std::vector<VertexId> neighboursOf(const PolyhedralMesh& mesh, VertexId vertex) {
   std::vector<VertexId> neighbours;
+  neighbours.reserve(2 * mesh.facesAround(vertex).size());
   for (const FaceId id : mesh.facesAround(vertex)) {
     const auto& loop = mesh.face(id).loop;
     const std::size_t i = findInLoop(mesh.face(id), vertex), n = loop.size();

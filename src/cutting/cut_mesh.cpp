@@ -394,10 +394,11 @@ CutResult cutOnce(MeshTransaction& whole, Matrix3Xd& moved, const CutOperation& 
     stroke.edge_tool = sweep->edge_tool;
     bool has_left = true;
     for (std::size_t i = 0; i + 1 < sweep->T_world_tool.size(); ++i) {
-      const Matrix3Xd still = moved;
-      follow(stroke.move(transaction, mesh,
-                         {stroke.edge_tool, sweep->T_world_tool[i], sweep->T_world_tool[i + 1], still, still},
-                         has_left));
+      // At rest, and one column for each vertex that the mesh has as the motion starts.
+      const MeshChange change = stroke.move(
+          transaction, mesh,
+          {stroke.edge_tool, sweep->T_world_tool[i], sweep->T_world_tool[i + 1], moved, moved}, has_left);
+      follow(change);
       if (transaction.isRefused()) break;
       if (has_left) stroke.forget();
     }

@@ -47,9 +47,6 @@ std::vector<std::vector<VertexId>> findComponents(const PolyhedralMesh& mesh, co
                                                   CellId cell) {
   constexpr int kNone = -1;
   const auto& vertices = mesh.cell(cell).vertices;
-  const auto localOf = [&](VertexId v) {
-    return static_cast<int>(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin());
-  };
   // Disjoint sets of local vertices, each named by its smallest member.
   boost::container::small_vector<int, 32> roots(vertices.size());
   const auto find = [&](int i) {
@@ -63,7 +60,7 @@ std::vector<std::vector<VertexId>> findComponents(const PolyhedralMesh& mesh, co
     num_components += !is_on_cut;
   }
   mesh.forEachEdge(cell, [&](VertexId from, VertexId to) {
-    int a = localOf(from), b = localOf(to);
+    int a = countSmaller(vertices, from), b = countSmaller(vertices, to);
     if (roots[a] == kNone || roots[b] == kNone || crossings.find(cell, {from, to})) return;
     a = find(a);
     b = find(b);
@@ -90,13 +87,12 @@ std::vector<std::vector<VertexId>> findComponents(const PolyhedralMesh& mesh, co
 
 /// Area of a face [m^2] in the rest shape.
 double area(const PolyhedralMesh& mesh, FaceId id) {
-  const Face& face = mesh.face(id);
   double sum = 0;
-  for (int i = 0; i < numTriangles(face); ++i) {
-    const Eigen::Matrix3d corners = triangleCorners(face, i, mesh.restPositions());
+  visitTriangles(mesh.face(id), mesh.restPositions(), [&](const Eigen::Matrix3d& corners) {
     sum +=
         0.5 * Eigen::Vector3d(corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)).norm();
-  }
+    return true;
+  });
   return sum;
 }
 

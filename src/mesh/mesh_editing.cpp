@@ -10,6 +10,9 @@
 namespace polyscalpel {
 namespace {
 
+/// Faces at an edge, each with two cells: more are rare.
+constexpr std::size_t kUsualEdgeFaces = 16;
+
 template <class T>
 void sortUnique(std::vector<T>& values) {
   std::sort(values.begin(), values.end());
@@ -46,6 +49,10 @@ class DisjointSets {
   std::vector<int> parents_;
 };
 
+VertexId endOfFewerFaces(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
+  return mesh.facesAround(b).size() < mesh.facesAround(a).size() ? b : a;
+}
+
 /// Cells that have one of the faces, ascending.
 std::vector<CellId> cellsOf(const PolyhedralMesh& mesh, const std::vector<FaceId>& faces) {
   std::vector<CellId> cells;
@@ -61,21 +68,10 @@ std::vector<CellId> cellsOf(const PolyhedralMesh& mesh, const std::vector<FaceId
 
 }  // namespace
 
-int findInLoop(const Face& face, VertexId vertex) {
-  const auto place = std::find(face.loop.begin(), face.loop.end(), vertex);
-  return place == face.loop.end() ? -1 : static_cast<int>(place - face.loop.begin());
-}
-
-bool hasEdge(const Face& face, VertexId a, VertexId b) {
-  const int i = findInLoop(face, a);
-  if (i < 0) return false;
-  const std::size_t n = face.loop.size();
-  return face.loop[(i + 1) % n] == b || face.loop[(i + n - 1) % n] == b;
-}
-
 std::vector<CellId> cellsAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
   std::vector<CellId> cells;
-  for (const FaceId id : mesh.facesAround(a)) {
+  cells.reserve(kUsualEdgeFaces);
+  for (const FaceId id : mesh.facesAround(endOfFewerFaces(mesh, a, b))) {
     const Face& face = mesh.face(id);
     if (!hasEdge(face, a, b)) continue;
     for (const CellId cell : face.cells) {
@@ -92,7 +88,7 @@ std::vector<CellId> cellsAround(const PolyhedralMesh& mesh, VertexId vertex) {
 
 int numFansAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
   int num_faces = 0, num_boundary_faces = 0;
-  for (const FaceId id : mesh.facesAround(a)) {
+  for (const FaceId id : mesh.facesAround(endOfFewerFaces(mesh, a, b))) {
     if (!hasEdge(mesh.face(id), a, b)) continue;
     ++num_faces;
     num_boundary_faces += mesh.face(id).isBoundary();
@@ -132,6 +128,7 @@ const int* MeshEditor::restore(const int* saved, Values& values) {
 }
 
 void MeshEditor::rollBackTo(std::size_t savepoint) {
+  if (journal_.size() > savepoint) whole_change_.reset();
   for (; journal_.size() > savepoint; journal_.pop_back()) {
     const Undo& undo = journal_.back();
     const int* saved = saved_.data() + undo.saved;
@@ -303,17 +300,19 @@ VertexId MeshEditor::addVertex(const NewVertex& origin) {
 
 void MeshEditor::refreshVertices(CellId id) {
   Cell& cell = mesh_.cells_[id.index()];
-  cell.vertices.clear();
+  boost::container::small_vector<VertexId, 64> vertices;
   for (const FaceId face : cell.faces) {
     const auto& loop = mesh_.face(face).loop;
-    cell.vertices.insert(cell.vertices.end(), loop.begin(), loop.end());
+    vertices.insert(vertices.end(), loop.begin(), loop.end());
   }
-  sortUnique(cell.vertices);
+  std::sort(vertices.begin(), vertices.end());
+  cell.vertices.assign(vertices.begin(), std::unique(vertices.begin(), vertices.end()));
 }
 
 VertexId MeshEditor::splitEdge(VertexId a, VertexId b, double weight) {
   POLYSCALPEL_ASSERT(weight > 0 && weight < 1);
   std::vector<FaceId> faces;
+  faces.reserve(kUsualEdgeFaces);
   for (const FaceId id : mesh_.facesAround(a)) {
     if (hasEdge(mesh_.face(id), a, b)) faces.push_back(id);
   }
@@ -364,6 +363,7 @@ std::pair<FaceId, FaceId> MeshEditor::splitFace(FaceId id, VertexId a, VertexId 
 MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceId>& first_faces,
                                             const std::vector<std::vector<VertexId>>& cap_facets, int cut) {
   std::vector<FaceId> second_faces;
+  second_faces.reserve(mesh_.cell(cell).faces.size() - first_faces.size() + cap_facets.size());
   for (const FaceId face : mesh_.cell(cell).faces) {
     if (std::find(first_faces.begin(), first_faces.end(), face) == first_faces.end())
       second_faces.push_back(face);
@@ -371,7 +371,8 @@ MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceI
   POLYSCALPEL_ASSERT(!first_faces.empty() && !second_faces.empty());
   SplitCell split;
   split.first = addCell(cell, first_faces);
-  split.second = addCell(cell, second_faces);
+  split.second = addCell(cell, std::move(second_faces));
+  split.cap.reserve(cap_facets.size());
   for (const auto& loop : cap_facets) {
     Face facet;
     facet.loop.assign(loop.begin(), loop.end());
@@ -381,11 +382,9 @@ MeshEditor::SplitCell MeshEditor::splitCell(CellId cell, const std::vector<FaceI
     split.cap.push_back(addFace(std::move(facet)));
   }
 
-  for (const auto& [part, faces] :
-       {std::make_pair(split.first, &first_faces),
-        std::make_pair(split.second, static_cast<const std::vector<FaceId>*>(&second_faces))}) {
-    for (const FaceId id : *faces) replaceCell(id, cell, part);
+  for (const CellId part : {split.first, split.second}) {
     auto& part_faces = mesh_.cells_[part.index()].faces;
+    for (const FaceId id : part_faces) replaceCell(id, cell, part);
     part_faces.insert(part_faces.end(), split.cap.begin(), split.cap.end());
     refreshVertices(part);
   }
@@ -482,13 +481,22 @@ void MeshEditor::removeCells(const std::vector<CellId>& cells) {
 
 MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
   MeshChange change;
-  const auto countOf = [&](Undo::Kind kind) {
-    return static_cast<int>(std::count_if(journal_.begin() + savepoint, journal_.end(),
-                                          [&](const Undo& undo) { return undo.kind == kind; }));
+  int num_new_cells = 0, num_new_faces = 0, num_new_vertices = 0;
+  for (std::size_t i = savepoint; i < journal_.size(); ++i) {
+    num_new_cells += journal_[i].kind == Undo::Kind::kNewCell;
+    num_new_faces += journal_[i].kind == Undo::Kind::kNewFace;
+    num_new_vertices += journal_[i].kind == Undo::Kind::kNewVertex;
+  }
+  // A cut touches each cell and face many times.
+  cell_marks_.resize(mesh_.cellCapacity());
+  face_marks_.resize(mesh_.faceCapacity());
+  const auto addOnce = [](int id, auto& list, std::vector<char>& marks) {
+    if (!marks[id]) list.emplace_back(id);
+    marks[id] = 1;
   };
   // Ids from these on have been given since: no list of them needs to be sorted.
-  const int first_new_cell = mesh_.cellCapacity() - countOf(Undo::Kind::kNewCell);
-  const int first_new_face = mesh_.faceCapacity() - countOf(Undo::Kind::kNewFace);
+  const int first_new_cell = mesh_.cellCapacity() - num_new_cells;
+  const int first_new_face = mesh_.faceCapacity() - num_new_faces;
   std::vector<CellId> cells;
   for (std::size_t i = savepoint; i < journal_.size(); ++i) {
     const Undo& undo = journal_[i];
@@ -497,11 +505,11 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
       case Undo::Kind::kFaceOfCellAdded:
       case Undo::Kind::kFaceOfCellErased:
       case Undo::Kind::kVertexOfCellAdded:
-        if (undo.id < first_new_cell) cells.emplace_back(undo.id);
+        if (undo.id < first_new_cell) addOnce(undo.id, cells, cell_marks_);
         break;
       case Undo::Kind::kOldFace:
       case Undo::Kind::kOldFaceCells:
-        if (undo.id < first_new_face) change.changed_faces.emplace_back(undo.id);
+        if (undo.id < first_new_face) addOnce(undo.id, change.changed_faces, face_marks_);
         break;
       case Undo::Kind::kRetiredVertex:
         change.retired_vertices.emplace_back(undo.id);
@@ -516,11 +524,13 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
     }
   }
   sortUnique(change.retired_vertices);
-  change.new_vertices.assign(new_vertices_.end() - countOf(Undo::Kind::kNewVertex), new_vertices_.end());
-  sortUnique(change.changed_faces);
+  change.new_vertices.assign(new_vertices_.end() - num_new_vertices, new_vertices_.end());
+  for (const FaceId id : change.changed_faces) face_marks_[id.index()] = 0;
+  for (const CellId id : cells) cell_marks_[id.index()] = 0;
+  std::sort(change.changed_faces.begin(), change.changed_faces.end());
   for (int face = first_new_face; face < mesh_.faceCapacity(); ++face)
     change.changed_faces.emplace_back(face);
-  sortUnique(cells);
+  std::sort(cells.begin(), cells.end());
   for (const CellId id : cells)
     (mesh_.cell(id).isAlive() ? change.changed_cells : change.removed_cells).push_back(id);
   for (int cell = first_new_cell; cell < mesh_.cellCapacity(); ++cell) {
@@ -529,12 +539,18 @@ MeshChange MeshEditor::changeSince(std::size_t savepoint) const {
     while (parent.index() >= first_new_cell) parent = parents_[parent.index() - first_new_cell_];
     change.new_cells.push_back({CellId(cell), parent});
   }
+  if (savepoint == 0) {
+    whole_change_ = change;
+    edits_in_whole_change_ = journal_.size();
+  }
   return change;
 }
 
 MeshChange MeshEditor::commit() {
-  MeshChange change = changeSince(0);
-  journal_.clear();
+  MeshChange change =
+      whole_change_ && edits_in_whole_change_ == journal_.size() ? std::move(*whole_change_) : changeSince(0);
+  whole_change_.reset();
+  journal_ = {};
   saved_.clear();
   new_vertices_.clear();
   parents_.clear();

@@ -96,7 +96,7 @@ class CellRefuser {
 /// Joins the faces of cells that have the same vertices.
 class FaceJoiner {
  public:
-  FaceJoiner(std::vector<Face>& faces, int num_points) : faces_(faces), buckets_(num_points) {}
+  FaceJoiner(BlockList<Face>& faces, int num_points) : faces_(faces), buckets_(num_points) {}
 
   /// The face with the given outward loop of the cell: a new one, or the one that a former cell has made.
   FaceId join(int cell, const Loop& loop) {
@@ -145,7 +145,7 @@ class FaceJoiner {
     return true;
   }
 
-  std::vector<Face>& faces_;
+  BlockList<Face>& faces_;
   std::vector<std::vector<FaceId>> buckets_;  ///< faces by the smallest index in their loop
 };
 
@@ -170,9 +170,10 @@ class DisjointSets {
 };
 
 /// Where the incidences of each cell with its vertices start in one array over all cells.
-std::vector<int> makeIncidenceStarts(const std::vector<Cell>& cells) {
+std::vector<int> makeIncidenceStarts(const BlockList<Cell>& cells) {
   std::vector<int> starts(1, 0);
-  for (const Cell& cell : cells) starts.push_back(starts.back() + static_cast<int>(cell.vertices.size()));
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    starts.push_back(starts.back() + static_cast<int>(cells[c].vertices.size()));
   return starts;
 }
 
@@ -190,10 +191,11 @@ struct VertexNumbering {
 
 /// Used points keep their order; behind them come the copies, one for each further fan of cells around a
 /// point that are joined by faces.
-VertexNumbering numberVertices(const std::vector<Face>& faces, const std::vector<Cell>& cells,
+VertexNumbering numberVertices(const BlockList<Face>& faces, const BlockList<Cell>& cells,
                                const std::vector<int>& starts, int num_points) {
   DisjointSets fans(starts.back());
-  for (const Face& face : faces) {
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const Face& face = faces[f];
     if (face.isBoundary()) continue;
     const auto incidence = [&](CellId cell, VertexId vertex) {
       return starts[cell.index()] + positionIn(cells[cell.index()].vertices, vertex);
@@ -238,13 +240,12 @@ PolyhedralMesh::PolyhedralMesh(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
   }
 
   const int num_points = static_cast<int>(points.cols());
-  cells_.resize(cells.size());
   num_cells_ = static_cast<int>(cells.size());
   CellRefuser refuser(num_points);
   FaceJoiner joiner(faces_, num_points);
   for (int c = 0; c < num_cells_; ++c) {
     refuser.requireValid(c, cells[c]);
-    Cell& cell = cells_[c];
+    Cell cell;
     if (!regions.empty()) cell.region = regions[c];
     cell.faces.reserve(cells[c].size());
     for (const Loop& loop : cells[c]) {
@@ -253,11 +254,13 @@ PolyhedralMesh::PolyhedralMesh(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
     }
     std::sort(cell.vertices.begin(), cell.vertices.end());
     cell.vertices.erase(std::unique(cell.vertices.begin(), cell.vertices.end()), cell.vertices.end());
+    cells_.push_back(std::move(cell));
   }
 
   const std::vector<int> starts = makeIncidenceStarts(cells_);
   const VertexNumbering numbering = numberVertices(faces_, cells_, starts, num_points);
-  for (Face& face : faces_) {
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    Face& face = faces_[f];
     const int cell = face.cells[0].index();
     for (VertexId& vertex : face.loop) {
       vertex = numbering.vertex_of_incidence[starts[cell] + positionIn(cells_[cell].vertices, vertex)];
@@ -318,6 +321,7 @@ CellId PolyhedralMesh::neighbour(FaceId face_id, CellId cell) const {
 
 std::vector<std::pair<VertexId, VertexId>> PolyhedralMesh::edges(CellId id) const {
   std::vector<std::pair<VertexId, VertexId>> edges;
+  edges.reserve(cell(id).vertices.size() + cell(id).faces.size());  // Euler: two fewer
   forEachEdge(id, [&](VertexId a, VertexId b) { edges.emplace_back(a, b); });
   std::sort(edges.begin(), edges.end());
   return edges;

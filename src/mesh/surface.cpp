@@ -138,9 +138,10 @@ Eigen::Matrix3d triangleCorners(const Face& face, int i,
 std::pair<Eigen::Vector3d, Eigen::Vector3d> planeOf(const Face& face,
                                                     const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
   Eigen::Vector3d area = Eigen::Vector3d::Zero();
-  for (int i = 0; i < numTriangles(face); ++i) {
-    area += triangleAreaVector(triangleCorners(face, i, positions));
-  }
+  visitTriangles(face, positions, [&](const Eigen::Matrix3d& corners) {
+    area += triangleAreaVector(corners);
+    return true;
+  });
   return {virtualVertex(face, positions), area};
 }
 
@@ -168,9 +169,9 @@ CellSurface makeCellSurface(const PolyhedralMesh& mesh, CellId id,
   const Cell& cell = mesh.cell(id);
   POLYSCALPEL_ASSERT(cell.isAlive());
   const auto local = [&cell](VertexId vertex) {
-    const auto found = std::lower_bound(cell.vertices.begin(), cell.vertices.end(), vertex);
-    POLYSCALPEL_ASSERT(found != cell.vertices.end() && *found == vertex);
-    return static_cast<int>(found - cell.vertices.begin());
+    const int place = countSmaller(cell.vertices, vertex);
+    POLYSCALPEL_ASSERT(place < static_cast<int>(cell.vertices.size()) && cell.vertices[place] == vertex);
+    return place;
   };
 
   CellSurface surface;

@@ -5,16 +5,14 @@
 
 namespace polyscalpel {
 
-std::vector<PieceProperties> measurePieces(const PolyhedralMesh& mesh, const Pieces& pieces,
-                                           const Assembly& assembly) {
+std::vector<PieceProperties> measurePieces(const Pieces& pieces, const Assembly& assembly) {
   std::vector<PieceProperties> table(pieces.count);
-  for (const CellId cell : mesh.cells()) {
+  assembly.visitVolumes([&](CellId cell, int kind, double volume_m3) {
     PieceProperties& piece = table[pieces.piece_of_cell[cell.index()]];
     if (piece.num_cells++ == 0) piece.smallest_cell = cell;  // cells ascend
-    const double volume_m3 = assembly.elementMatrices(cell).volume;
     piece.volume_m3 += volume_m3;
-    piece.mass_kg += assembly.kind(assembly.kindOf(cell)).material.density_kg_m3 * volume_m3;
-  }
+    piece.mass_kg += assembly.kind(kind).material.density_kg_m3 * volume_m3;
+  });
   return table;
 }
 

@@ -84,7 +84,7 @@ struct Simulation::Impl {
                           const std::vector<Eigen::Vector3d>& forces, const ToolPoses& T_end,
                           StepReport& report);
   void moveBlades(const ToolPoses& T_end, Eigen::Matrix3Xd& positions_start, StepReport& report);
-  void countPieces() { piece_table = measurePieces(mesh, index.pieces.pieces(), *assembly); }
+  void countPieces() { piece_table = measurePieces(index.pieces.pieces(), *assembly); }
   void growCracks(StepReport& report);
   void commit(int tool, CutResult result, Eigen::Matrix3Xd* positions_start, StepReport& report);
   void followChange(int tool, const MeshChange& change);

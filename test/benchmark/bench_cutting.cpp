@@ -140,14 +140,14 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// A short blade is drawn level through the top of the body; the row's time is the median of its steps that
-/// split something.
-void progressiveRow(benchmark::State& state, const PolyhedralMesh& rest) {
+/// A short blade is drawn level through the top of the body, in steps of so many local sizes; the row's time
+/// is the median of its steps that split something.
+void progressiveRow(benchmark::State& state, const PolyhedralMesh& rest, double step_in_sizes) {
   const auto [centre, half] = boxOf(rest);
   const double h = medianSize(rest);
   Matrix3Xd edge(3, 2);
   edge << 0, 0, 0, 0.05 * h, -2.5 * h, 2.5 * h;
-  const double step = 0.5 * h;
+  const double step = step_in_sizes * h;
   const int num_steps = static_cast<int>(2.4 * half.x() / step);
   const auto pose = [&](int i) {
     Isometry3d T = Isometry3d::Identity();
@@ -277,7 +277,10 @@ auto* registerRow(const std::string& name, const BenchMesh& mesh, Row row) {
 void registerCutting(const std::vector<BenchMesh>& meshes) {
   for (const BenchMesh& mesh : meshes) {
     registerRow("cut/half_plane", mesh, halfPlaneRow)->UseManualTime()->Iterations(1);
-    registerRow("cut/progressive", mesh, progressiveRow)->UseManualTime()->Iterations(1);
+    for (const auto& [name, step] : {std::pair("cut/progressive", 0.5), std::pair("cut/fine_steps", 0.1)}) {
+      const auto row = [step = step](auto& state, const auto& rest) { progressiveRow(state, rest, step); };
+      registerRow(name, mesh, row)->UseManualTime()->Iterations(1);
+    }
     registerRow("split/geometry", mesh, geometryRow);
     registerRow("split/whole", mesh, wholeRow)->UseManualTime()->Iterations(1);
   }

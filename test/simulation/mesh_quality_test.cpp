@@ -101,8 +101,7 @@ TEST(QualityMonitor, IsAsMeasuredAnewAfterEveryCutAndRemoval) {
       monitor.update(mesh, assembly, result.change);
       expectExact();
       const Pieces pieces = findPieces(mesh);
-      const std::vector<CellId> debris =
-          findDebris(mesh, pieces, measurePieces(mesh, pieces, assembly), 0.02);
+      const std::vector<CellId> debris = findDebris(mesh, pieces, measurePieces(pieces, assembly), 0.02);
       if (debris.empty()) continue;
       ++num_removed;
       MeshEditor editor(mesh);

@@ -63,6 +63,7 @@ class CellSplit {
   CellId cell_;
   // Ordered, and without an allocation for each of their few members.
   boost::container::small_flat_set<VertexId, 16> component_;
+  boost::container::small_flat_set<VertexId, 16> snapped_;  // vertices that the cell had
   boost::container::small_flat_set<VertexId, 16> middles_;
   boost::container::small_flat_set<CellId, 32> touched_;
   std::vector<std::pair<Edge, VertexId>> split_edges_;

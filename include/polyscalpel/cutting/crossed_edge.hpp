@@ -14,7 +14,9 @@ namespace polyscalpel {
 /// An edge of the mesh as (smaller id, larger id).
 using Edge = std::pair<VertexId, VertexId>;
 
-Edge makeEdge(VertexId a, VertexId b);
+inline Edge makeEdge(VertexId a, VertexId b) {
+  return a < b ? Edge{a, b} : Edge{b, a};
+}
 
 struct EdgeHash {
   std::size_t operator()(const Edge& edge) const noexcept {

@@ -98,6 +98,11 @@ class Assembly {
   int numKinds() const { return static_cast<int>(kinds_.size()); }
   /// Matrices of a cell that is alive. Valid until the next update().
   const ElementMatrices& elementMatrices(CellId cell) const { return elements_[cell.index()]; }
+  /// Calls visit(cell, kind, volume [m^3]) for every cell that is alive, ascending: one way through memory.
+  template <class Visit>
+  void visitVolumes(const Visit& visit) const {
+    for (const PackedCell& cell : cells_) visit(CellId(cell.cell), cell.kind, cell.volume);
+  }
 
  private:
   // Cells that are alive, ascending, with their data side by side, most in the same order.

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "polyscalpel/mesh/block_list.hpp"
 #include "polyscalpel/mesh/mesh_change.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
 
@@ -111,18 +114,30 @@ class MeshEditor {
   void refreshVertices(CellId id);
 
   PolyhedralMesh& mesh_;
-  std::vector<Undo> journal_;
+  BlockList<Undo> journal_;
   std::vector<int> saved_;
   std::vector<NewVertex> new_vertices_;
   std::vector<CellId> parents_;  ///< of the cells from first_new_cell_ on, the cell that was split
   int first_new_cell_ = 0;
+  mutable std::vector<char> cell_marks_, face_marks_;  ///< of changeSince(), 0 between its calls
+  /// What changeSince(0) has last returned, for commit(), which most often comes next.
+  mutable std::optional<MeshChange> whole_change_;
+  mutable std::size_t edits_in_whole_change_ = 0;
 };
 
 /// Index of a vertex in a face's loop, -1 where it is not in it.
-int findInLoop(const Face& face, VertexId vertex);
+inline int findInLoop(const Face& face, VertexId vertex) {
+  const auto place = std::find(face.loop.begin(), face.loop.end(), vertex);
+  return place == face.loop.end() ? -1 : static_cast<int>(place - face.loop.begin());
+}
 
 /// Whether the face has the edge a-b.
-bool hasEdge(const Face& face, VertexId a, VertexId b);
+inline bool hasEdge(const Face& face, VertexId a, VertexId b) {
+  const std::size_t n = face.loop.size();
+  const std::size_t i = std::find(face.loop.begin(), face.loop.end(), a) - face.loop.begin();
+  if (i == n) return false;
+  return face.loop[i + 1 < n ? i + 1 : 0] == b || face.loop[i > 0 ? i - 1 : n - 1] == b;
+}
 
 /// Cells that have the edge a-b, ascending; empty where there is no such edge.
 std::vector<CellId> cellsAroundEdge(const PolyhedralMesh& mesh, VertexId a, VertexId b);

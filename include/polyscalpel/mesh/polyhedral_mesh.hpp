@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "polyscalpel/core/types.hpp"
+#include "polyscalpel/mesh/block_list.hpp"
 
 namespace polyscalpel {
 
@@ -30,6 +31,17 @@ struct Face {
   bool isAlive() const { return cells[0].isValid(); }
   bool isBoundary() const { return !cells[1].isValid(); }
 };
+
+/// How many of some ascending vertices are smaller than one: its place among them, if it is there. For the
+/// few of a cell, a count without branches is found sooner than by halving.
+inline int countSmaller(const std::vector<VertexId>& vertices, VertexId vertex) {
+  constexpr std::size_t kFew = 32;
+  if (vertices.size() > kFew)
+    return static_cast<int>(std::lower_bound(vertices.begin(), vertices.end(), vertex) - vertices.begin());
+  int count = 0;
+  for (const VertexId other : vertices) count += other < vertex;
+  return count;
+}
 
 /// A convex polyhedron (up to rounding and to bent cut faces).
 struct Cell {
@@ -108,8 +120,8 @@ class PolyhedralMesh {
   std::vector<double> local_sizes_;
   std::vector<std::vector<FaceId>> vertex_faces_;
   std::vector<char> is_retired_;
-  std::vector<Face> faces_;
-  std::vector<Cell> cells_;
+  BlockList<Face> faces_;
+  BlockList<Cell> cells_;
   int num_cells_ = 0;
 };
 

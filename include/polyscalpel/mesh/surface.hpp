@@ -30,6 +30,12 @@ Eigen::Vector3d virtualVertex(const Face& face, const Eigen::Ref<const Eigen::Ma
 /// the virtual vertex, loop[i], loop[i + 1].
 Eigen::Matrix3d triangleCorners(const Face& face, int i, const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
 
+/// Calls visit(corners) with triangleCorners() of each triangle in turn, until it returns false. Returns
+/// whether it went through all. Computes the virtual vertex once.
+template <class Visit>
+bool visitTriangles(const Face& face, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+                    const Visit& visit);
+
 /// A point and the area vector [m, m^2] of a face: its mean plane. Outward for face.cells[0].
 std::pair<Eigen::Vector3d, Eigen::Vector3d> planeOf(const Face& face,
                                                     const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
@@ -75,5 +81,19 @@ double smallestSubTetVolume(const CellSurface& surface);
 
 /// Volume of the whole mesh in the given positions [m^3].
 double volume(const PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
+
+template <class Visit>
+bool visitTriangles(const Face& face, const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+                    const Visit& visit) {
+  if (numTriangles(face) == 1) return visit(triangleCorners(face, 0, positions));
+  Eigen::Matrix3d corners;
+  corners.col(0) = virtualVertex(face, positions);
+  for (std::size_t i = 0; i < face.loop.size(); ++i) {
+    corners.col(1) = positions.col(face.loop[i].index());
+    corners.col(2) = positions.col(face.loop[(i + 1) % face.loop.size()].index());
+    if (!visit(corners)) return false;
+  }
+  return true;
+}
 
 }  // namespace polyscalpel

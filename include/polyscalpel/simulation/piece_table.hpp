@@ -25,9 +25,9 @@ struct Debris {
   MeshChange change;  ///< what it removed: follows on that of the cut
 };
 
-/// One entry a piece, in the order of their numbers. O(cells).
-std::vector<PieceProperties> measurePieces(const PolyhedralMesh& mesh, const Pieces& pieces,
-                                           const Assembly& assembly);
+/// One entry a piece, in the order of their numbers. O(cells): the sums are made anew, so that they do not
+/// depend on the cuts that led to the pieces, nor differ after a state has been saved and loaded.
+std::vector<PieceProperties> measurePieces(const Pieces& pieces, const Assembly& assembly);
 
 /// Cells of the pieces whose volume is below the limit, ascending. The largest piece (the first of equals) is
 /// never among them. A limit of 0 keeps all.
