@@ -121,8 +121,7 @@ double longestWay(const Matrix3Xd& edge_tool, const Isometry3d& T_start, const I
 /// One sub-step of a blade's motion, cut out of the whole step by fractions.
 class Sweep {
  public:
-  Sweep(const PolyhedralMesh& mesh, const CellTree& tree, const BladeMotion& motion)
-      : mesh_(mesh), motion_(motion) {
+  Sweep(const PolyhedralMesh& mesh, const CellTree& tree, const BladeMotion& motion) : motion_(motion) {
     moves_ = motion.positions_start.data() != motion.positions_end.data();
     const Matrix3Xd start = bladeAt(0);
     const double travel = longestWay(motion.edge_tool, motion.T_world_tool_start, motion.T_world_tool_end);
@@ -241,7 +240,7 @@ class Sweep {
   /// motion of the tissue).
   static void addTissueHalf(const Matrix3Xd& start, const Matrix3Xd& end, const EdgeMotion& edge,
                             SignedSum& sum) {
-    const auto& [a0, b0, a1, b1] = edge;
+    const Vector3d &a0 = edge.a_start, &b0 = edge.b_start, &a1 = edge.a_end, &b1 = edge.b_end;
     for (int i = 0; i + 1 < end.cols(); ++i) {
       const Vector3d p = end.col(i), q = end.col(i + 1);
       const auto add = [&](const TriangleCrossing& crossing, double weight) {
@@ -256,7 +255,6 @@ class Sweep {
     }
   }
 
-  const PolyhedralMesh& mesh_;
   const BladeMotion& motion_;
   std::vector<Edge> edges_;
   bool moves_ = false;
