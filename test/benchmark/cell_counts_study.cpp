@@ -62,14 +62,14 @@ Rows studyCellCounts(const Context& context) {
   };
   const std::string hairpin = "bent like hairpins, of ";
   std::vector<Subject> subjects = {{"ball", "bowed", [&] { return makeCutBall(half_count, cuts); }},
-                                   {"ball", hairpin + std::to_string(kLegsInBall) + " legs",
-                                    [&] { return makeHairpinCutBall(half_count, cuts, kLegsInBall); }}};
+                                   {"ball", hairpin + std::to_string(kHairpinsInBall.legs) + " legs",
+                                    [&] { return makeHairpinCutBall(half_count, cuts, kHairpinsInBall); }}};
   if (!bunny.empty()) {
     const int bunny_cuts = context.byMode(2, 17, 17);
     subjects.push_back(
         {"bunny", "bowed", [&, bunny_cuts] { return makeCutFile("bunny", bunny, bunny_cuts); }});
-    subjects.push_back({"bunny", hairpin + std::to_string(kLegsInBunny) + " legs", [&, bunny_cuts] {
-                          return makeHairpinCutFile("bunny", bunny, bunny_cuts, kLegsInBunny);
+    subjects.push_back({"bunny", hairpin + std::to_string(kHairpinsInBunny.legs) + " legs", [&, bunny_cuts] {
+                          return makeHairpinCutFile("bunny", bunny, bunny_cuts, kHairpinsInBunny);
                         }});
   }
   context.progress->beginSection("cell counts", static_cast<int>(subjects.size()));

@@ -52,15 +52,15 @@ SweepCut makeSweep(const Vector3d& centre, double radius, double foot_z, int ind
 
 /// A blade of several legs that passes the whole body; the first cut of every three comes down along -z, the
 /// second runs across it, the third goes along x.
-SweepCut makeHairpin(const Vector3d& centre, double radius, int index, int num_cuts, int legs,
+SweepCut makeHairpin(const Vector3d& centre, double radius, int index, int num_cuts, const Hairpins& hairpins,
                      std::mt19937& random) {
   constexpr int kPoses = 25, kPointsPerLeg = 5, kDirections = 3;
-  constexpr double kReach = 0.85;  // of the outermost legs, in radii
+  const auto [legs, reach] = hairpins;
   std::uniform_real_distribution<double> uniform(-1, 1);
   const int direction = index % kDirections, in_family = index / kDirections;
   const int family_size = (num_cuts + kDirections - 1 - direction) / kDirections;
-  const double gap = 2 * kReach * radius / (family_size * legs);
-  const double offset = -kReach * radius + gap * (legs * (in_family + 0.5) + 0.1 * uniform(random));
+  const double gap = 2 * reach * radius / (family_size * legs);
+  const double offset = -reach * radius + gap * (legs * (in_family + 0.5) + 0.1 * uniform(random));
   const double twist = 0.15 * uniform(random), wander = 0.05 * radius * uniform(random);
 
   SweepCut sweep;
@@ -209,18 +209,19 @@ CutBody makeCutFile(const std::string& name, const std::string& path, int num_cu
   return sweepThrough(std::move(body), num_cuts, foot_z + 0.1 * height, make);
 }
 
-CutBody makeHairpinCutBall(int half_count, int num_cuts, int legs) {
+CutBody makeHairpinCutBall(int half_count, int num_cuts, const Hairpins& hairpins) {
   const auto make = [&](int index, std::mt19937& random) {
-    return makeHairpin(Vector3d::Zero(), kBallRadius, index, num_cuts, legs, random);
+    return makeHairpin(Vector3d::Zero(), kBallRadius, index, num_cuts, hairpins, random);
   };
   return sweepThrough(makeBall(half_count), num_cuts, -0.6 * kBallRadius, make);
 }
 
-CutBody makeHairpinCutFile(const std::string& name, const std::string& path, int num_cuts, int legs) {
+CutBody makeHairpinCutFile(const std::string& name, const std::string& path, int num_cuts,
+                           const Hairpins& hairpins) {
   CutBody body = readBody(name, path);
   const Eigen::AlignedBox3d box = boxOf(body);
   const auto make = [&](int index, std::mt19937& random) {
-    return makeHairpin(box.center(), 0.5 * box.sizes().maxCoeff(), index, num_cuts, legs, random);
+    return makeHairpin(box.center(), 0.5 * box.sizes().maxCoeff(), index, num_cuts, hairpins, random);
   };
   return sweepThrough(std::move(body), num_cuts, box.min().z() + 0.1 * box.sizes().z(), make);
 }

@@ -35,9 +35,15 @@ struct CutBody {
 /// left.
 CutBody makeCutBlock(int n);
 
-/// Legs of the hairpins in the study of cell counts: such that 17 cuts leave 40,000 to 44,000 cells of some
-/// 8,300 tetrahedra.
-constexpr int kLegsInBall = 2, kLegsInBunny = 3;
+/// Blades bent like hairpins.
+struct Hairpins {
+  int legs = 2;
+  double reach = 0.85;  ///< of the outermost legs, in radii of the body
+};
+
+/// Those of the study of cell counts: such that 17 cuts leave 40,000 to 44,000 cells of some 8,300
+/// tetrahedra.
+constexpr Hairpins kHairpinsInBall = {2, 0.85}, kHairpinsInBunny = {3, 0.95};
 
 /// A ball of radius 50 mm of 5 (2 half_count)^3 tetrahedra, its lowest part fixed, under curved cuts: a bowed
 /// blade that turns and wanders as it comes down, from above the ball to 0.7 of its height.
@@ -49,9 +55,10 @@ CutBody makeCutFile(const std::string& name, const std::string& path, int num_cu
 /// The same ball under cuts that leave many more cells: each by one blade bent like a hairpin, its legs,
 /// bowed and joined outside of the body, side by side; the blade turns and wanders as it passes the whole
 /// body, along -z, across that, and along x in turns. The cuts of one direction lie at equal distances.
-CutBody makeHairpinCutBall(int half_count, int num_cuts, int legs);
+CutBody makeHairpinCutBall(int half_count, int num_cuts, const Hairpins& hairpins);
 
 /// A volume mesh from a file under such cuts.
-CutBody makeHairpinCutFile(const std::string& name, const std::string& path, int num_cuts, int legs);
+CutBody makeHairpinCutFile(const std::string& name, const std::string& path, int num_cuts,
+                           const Hairpins& hairpins);
 
 }  // namespace polyscalpel::report

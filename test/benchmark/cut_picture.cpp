@@ -80,9 +80,9 @@ tf2_msgs::TFMessage makeFrame(const ros::Time& stamp) {
 int run(const std::string& bag_path, const std::string& bunny) {
   const std::vector<CutBody> bodies =
       bunny.empty() ? std::vector<CutBody>{makeCutBall(kBallHalfCount, kCuts),
-                                           makeHairpinCutBall(kBallHalfCount, kCuts, kLegsInBall)}
+                                           makeHairpinCutBall(kBallHalfCount, kCuts, kHairpinsInBall)}
                     : std::vector<CutBody>{makeCutFile("bunny", bunny, kCuts),
-                                           makeHairpinCutFile("bunny", bunny, kCuts, kLegsInBunny)};
+                                           makeHairpinCutFile("bunny", bunny, kCuts, kHairpinsInBunny)};
   visualization_msgs::MarkerArray array;
   for (std::size_t i = 0; i < bodies.size(); ++i)
     addMarkers(bodies[i], (static_cast<double>(i) - 0.5) * kPitch_m * Eigen::Vector3d::UnitX(), array);
