@@ -45,10 +45,10 @@ bool CellSplit::divide(int cut, const BorderSides* sides) {
   if (sides) {
     for (const VertexId v : cap_loop_) sides_of_loop.push_back(sides->at(v));
   }
-  const auto facets = cap_loop_.size() == 3
-                          ? std::vector<std::vector<VertexId>>{cap_loop_}  // needs no apexes
-                          : makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false),
-                                          sides_of_loop);
+  const auto facets =
+      cap_loop_.size() == 3
+          ? std::vector<std::vector<VertexId>>{cap_loop_}  // needs no apexes
+          : makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false), sides_of_loop);
   const auto split = editor_.splitCell(cell_, first_faces_, facets, cut);
   first = split.first;
   second = split.second;
