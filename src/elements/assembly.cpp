@@ -75,8 +75,13 @@ Assembly::Assembly(const PolyhedralMesh& mesh, const CellKinds& kinds, double ma
   kind_of_cell_.resize(mesh.cellCapacity(), 0);
   is_touched_.assign(mesh.numVertices(), 0);
   for (const CellId cell : mesh.cells()) makeCell(mesh, cell.index());
+  if (first.strain == Strain::kCorotated) {
+    body_.emplace();
+    std::vector<CellId> cells;
+    for (const CellId cell : mesh.cells()) cells.push_back(cell);
+    body_->update(mesh.numVertices(), {}, bodyCells(cells, mesh));
+  }
   pack(mesh);
-  makePattern();
   makeMasses();
   mass_floor_kg_ = mass_floor * median(vertex_masses_);
 }
@@ -86,6 +91,18 @@ void Assembly::makeCell(const PolyhedralMesh& mesh, int cell) {
   POLYSCALPEL_ASSERT(kind >= 0 && kind < numKinds());
   elements_[cell] = formulations_[kind].makeMatrices(
       makeCellSurface(mesh, CellId(cell), mesh.restPositions()), kinds_[kind].material);
+}
+
+std::vector<CorotatedBody::Cell> Assembly::bodyCells(const std::vector<CellId>& cells,
+                                                     const PolyhedralMesh& mesh) const {
+  std::vector<CorotatedBody::Cell> result;
+  result.reserve(cells.size());
+  for (const CellId id : cells) {
+    const int kind = kind_of_cell_[id.index()];
+    result.push_back({id, &mesh.cell(id).vertices, &elements_[id.index()], moduli_[kind],
+                      kinds_[kind].material.density_kg_m3});
+  }
+  return result;
 }
 
 void Assembly::update(const PolyhedralMesh& mesh, const MeshChange& change) {
@@ -116,8 +133,13 @@ void Assembly::update(const PolyhedralMesh& mesh, const MeshChange& change) {
     make(0);
     helper.join();
   }
+  if (body_) {
+    std::vector<CellId> removed = change.removed_cells;
+    removed.insert(removed.end(), change.changed_cells.begin(), change.changed_cells.end());
+    body_->update(mesh.numVertices(), removed, bodyCells(cells, mesh));
+  }
+  has_pattern_ = false;
   repack(mesh, change);
-  makePattern();
   makeMasses();
 }
 
@@ -170,8 +192,10 @@ void Assembly::repack(const PolyhedralMesh& mesh, const MeshChange& change) {
   }
   for (const NewCell& cell : change.new_cells) packCell(mesh, cell.cell, cells_.emplace_back());
 
-  linearisations_.resize(mesh.cellCapacity());
-  for (const CellId id : change.changed_cells) linearisations_[id.index()] = CellLinearisation();
+  if (!body_) {
+    linearisations_.resize(mesh.cellCapacity());
+    for (const CellId id : change.changed_cells) linearisations_[id.index()] = CellLinearisation();
+  }
   rest_stiffness_.clear();
   makeWorkspace();
 }
@@ -215,7 +239,7 @@ void Assembly::makeWorkspace() {
 
 // Column by column: the rows are the vertices of the cells around the column's vertex. Sorting within one
 // column only keeps this at some hundred nanoseconds a block.
-void Assembly::makePattern() {
+void Assembly::makePattern() const {
   struct Corner {
     int packed_cell;
     int local;
@@ -263,26 +287,36 @@ void Assembly::makePattern() {
     }
     pattern_.column_start.push_back(static_cast<int>(pattern_.row.size()));
   }
+  makeBlockMasses();
+  has_pattern_ = true;
 }
 
 void Assembly::makeMasses() {
-  const bool consistent = kinds_.front().element.consistent_mass;
   vertex_masses_.setZero(numVertices());
-  block_masses_.assign(pattern_.numBlocks(), 0.0);
   for (const PackedCell& cell : cells_) {
     const ElementMatrices& element = elements_[cell.cell];
     const double density = kinds_[cell.kind].material.density_kg_m3;
-    for (int i = 0; i < cell.num_vertices; ++i) {
-      const int* const blocks = &cell_blocks_[cell.first_block + i * (i + 1) / 2];
+    for (int i = 0; i < cell.num_vertices; ++i)
       vertex_masses_[cell_vertices_[cell.first_vertex + i]] += density * element.shape_integral[i];
-      if (!consistent) continue;
-      for (int j = 0; j <= i; ++j) block_masses_[blocks[j]] += density * element.mass_integral(i, j);
-    }
   }
   moved_mass_ = 0;
-  if (consistent) return;
-  if (mass_floor_kg_ > 0) applyMassFloor();
-  for (int i = 0; i < numVertices(); ++i) block_masses_[pattern_.column_start[i]] = vertex_masses_[i];
+  if (!hasConsistentMass() && mass_floor_kg_ > 0) applyMassFloor();
+}
+
+void Assembly::makeBlockMasses() const {
+  block_masses_.assign(pattern_.numBlocks(), 0.0);
+  if (!hasConsistentMass()) {
+    for (int i = 0; i < numVertices(); ++i) block_masses_[pattern_.column_start[i]] = vertex_masses_[i];
+    return;
+  }
+  for (const PackedCell& cell : cells_) {
+    const ElementMatrices& element = elements_[cell.cell];
+    const double density = kinds_[cell.kind].material.density_kg_m3;
+    const int* blocks = &cell_blocks_[cell.first_block];
+    for (int i = 0; i < cell.num_vertices; ++i) {
+      for (int j = 0; j <= i; ++j) block_masses_[*blocks++] += density * element.mass_integral(i, j);
+    }
+  }
 }
 
 // A vertex and the touched ones around it are raised to no more than their own mean, so their surplus over
@@ -298,14 +332,13 @@ void Assembly::applyMassFloor() {
   }
   if (low.empty()) return;
   std::vector<std::vector<int>> around(low.size());
-  for (int column = 0; column < numVertices(); ++column) {
-    if (!is_touched_[column]) continue;
-    for (int k = pattern_.column_start[column] + 1; k < pattern_.column_start[column + 1]; ++k) {
-      const int row = pattern_.row[k];
-      if (!is_touched_[row]) continue;
-      if (place[column] >= 0) around[place[column]].push_back(row);
-      if (place[row] >= 0) around[place[row]].push_back(column);
-    }
+  for (int vertex = 0; vertex < numVertices(); ++vertex) {
+    if (!is_touched_[vertex]) continue;
+    forEachNeighbourAbove(vertex, [&](int other) {
+      if (!is_touched_[other]) return;
+      if (place[vertex] >= 0) around[place[vertex]].push_back(other);
+      if (place[other] >= 0) around[place[other]].push_back(vertex);
+    });
   }
   for (const int i : low) {
     const std::vector<int>& others = around[place[i]];
@@ -343,6 +376,7 @@ void Assembly::linearise(const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
   POLYSCALPEL_ASSERT(positions.cols() == numVertices());
   if (hasConstantStiffness()) return;
   const bool exact_force = kinds_.front().element.exact_force;
+  if (body_) return body_->linearise(positions, exact_force);
   for (const PackedCell& cell : cells_) {
     linearisations_[cell.cell] =
         polyscalpel::linearise(*measure_, view(cell), gather(cell, positions, gathered_), exact_force, work_);
@@ -350,6 +384,7 @@ void Assembly::linearise(const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
 }
 
 void Assembly::lineariseAtRest() {
+  if (body_) return body_->lineariseAtRest();
   linearisations_.assign(elements_.size(), CellLinearisation());
 }
 
@@ -391,6 +426,11 @@ void Assembly::assembleStiffness(double scale, Blocks& matrix) const {
 }
 
 void Assembly::assemble(double mass_scale, double stiffness_scale, Blocks& matrix) {
+  if (!has_pattern_) makePattern();
+  if (body_) {
+    body_->assemble(vertex_masses_, mass_scale, stiffness_scale, differences_);
+    return convert(body_->pattern(), differences_, pattern_, matrix);
+  }
   matrix.resize(pattern_.numBlocks());
   if (!hasConstantStiffness()) {
     std::fill(matrix.begin(), matrix.end(), Eigen::Matrix3d::Zero());
@@ -410,6 +450,7 @@ void Assembly::assemble(double mass_scale, double stiffness_scale, Blocks& matri
 void Assembly::assembleExactTangent(const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
                                     Blocks& matrix) const {
   POLYSCALPEL_ASSERT(positions.cols() == numVertices());
+  if (!has_pattern_) makePattern();
   matrix.assign(pattern_.numBlocks(), Eigen::Matrix3d::Zero());
   Eigen::Matrix3Xd room(3, largest_cell_);
   for (const PackedCell& cell : cells_) {
@@ -423,6 +464,7 @@ void Assembly::assembleExactTangent(const Eigen::Ref<const Eigen::Matrix3Xd>& po
 
 void Assembly::internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, Eigen::Matrix3Xd& forces) {
   POLYSCALPEL_ASSERT(positions.cols() == numVertices());
+  if (body_) return body_->internalForces(positions, forces);
   forces.setZero(3, numVertices());
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     const PackedCell& cell = cells_[c];
@@ -438,7 +480,9 @@ void Assembly::internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& position
 void Assembly::multiplyMass(const Eigen::Ref<const Eigen::Matrix3Xd>& values,
                             Eigen::Matrix3Xd& result) const {
   POLYSCALPEL_ASSERT(values.cols() == numVertices());
+  if (body_) return body_->multiplyMass(vertex_masses_, hasConsistentMass(), values, result);
   result.setZero(3, numVertices());
+  if (!has_pattern_) makePattern();
   for (int column = 0; column < numVertices(); ++column) {
     const int diagonal = pattern_.column_start[column];
     result.col(column) += block_masses_[diagonal] * values.col(column);

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "polar_kernel.hpp"
 #include "polyscalpel/elements/corotation.hpp"
 #include "polyscalpel/elements/strain_measure.hpp"
 #include "stress_tensors.hpp"
@@ -32,6 +33,13 @@ TurnOfRotation::TurnOfRotation(const Eigen::Matrix3d& symmetric_factor) {
   Eigen::Vector3d inverse;
   for (int i = 0; i < 3; ++i) inverse[i] = std::abs(values[i]) > floor ? 1 / values[i] : 0;
   inverse_ = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+void turnByEigenvalues(const double* U, const double* axial, double* turn) {
+  const Eigen::Matrix3d symmetric_factor = Eigen::Map<const Eigen::Matrix3d>(U);
+  const TurnOfRotation of_rotation(symmetric_factor);
+  Eigen::Map<Eigen::Vector3d> result(turn);
+  result = of_rotation(Eigen::Map<const Eigen::Vector3d>(axial));
 }
 
 namespace {

@@ -36,6 +36,7 @@ class Pack {
   struct Mask {
     decltype(Values{} < Values{}) lanes;
     friend Mask operator&&(Mask a, Mask b) { return {a.lanes & b.lanes}; }
+    bool operator[](int lane) const { return lanes[lane] != 0; }
     bool any() const {
       bool result = false;
       for (int lane = 0; lane < kWidth; ++lane) result = result || lanes[lane] != 0;
@@ -86,6 +87,7 @@ class SinglePack {
   struct Mask {
     bool holds;
     friend Mask operator&&(Mask a, Mask b) { return {a.holds && b.holds}; }
+    bool operator[](int) const { return holds; }
     bool any() const { return holds; }
   };
 

@@ -160,11 +160,8 @@ std::vector<std::vector<int>> CutLedger::findGroups(const PolyhedralMesh& mesh, 
   for (const NewVertex& vertex : change.new_vertices) {
     for (const VertexId parent : vertex.parents) join(vertex.vertex.index(), parent.index());
   }
-  const BlockPattern& pattern = assembly.pattern();
-  for (const int vertex : vertices) {
-    for (int k = pattern.column_start[vertex]; k < pattern.column_start[vertex + 1]; ++k)
-      join(vertex, pattern.row[k]);
-  }
+  for (const int vertex : vertices)
+    assembly.forEachNeighbourAbove(vertex, [&](int other) { join(vertex, other); });
   std::map<int, std::vector<int>> groups;
   for (std::size_t i = 0; i < vertices.size(); ++i) groups[find(static_cast<int>(i))].push_back(vertices[i]);
   std::vector<std::vector<int>> result;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "polyscalpel/core/block_matrix.hpp"
 #include "polyscalpel/elements/cell_mechanics.hpp"
+#include "polyscalpel/elements/corotated_body.hpp"
 #include "polyscalpel/elements/element_formulation.hpp"
 #include "polyscalpel/elements/strain_measure.hpp"
 #include "polyscalpel/mesh/mesh_change.hpp"
@@ -48,12 +50,33 @@ class Assembly {
   /// parents' kinds and are linearised around their rest shape; the pattern is made anew.
   void update(const PolyhedralMesh& mesh, const MeshChange& change);
 
-  int numVertices() const { return pattern_.numVertices(); }
+  int numVertices() const { return static_cast<int>(is_touched_.size()); }
   /// Whether the stiffness is the same in every deformation.
   bool hasConstantStiffness() const { return !measure_->rotates(); }
 
-  /// Pairs of vertices that share a cell. Stays as it is until the next update().
-  const BlockPattern& pattern() const { return pattern_; }
+  /// Pairs of vertices that share a cell. Stays as it is until the next update(). Made when first asked for
+  /// after that, so no two threads may ask at once.
+  const BlockPattern& pattern() const {
+    if (!has_pattern_) makePattern();
+    return pattern_;
+  }
+
+  /// Calls visit(other) for the vertices of higher index that share a cell with this one, ascending.
+  template <class Visit>
+  void forEachNeighbourAbove(int vertex, const Visit& visit) const {
+    if (body_) {
+      const RowPattern::Row& row = body_->pattern().rows[vertex];
+      for (int k = row.first_above; k < row.first + row.count; ++k) visit(body_->pattern().column[k]);
+    } else {
+      const BlockPattern& blocks = pattern();
+      for (int k = blocks.column_start[vertex] + 1; k < blocks.column_start[vertex + 1]; ++k)
+        visit(blocks.row[k]);
+    }
+  }
+
+  /// The fast way to forces and matrices; nullptr but for Strain::kCorotated. What it was linearised around is
+  /// that of the assembly.
+  CorotatedBody* corotatedBody() { return body_ ? &*body_ : nullptr; }
 
   /// Linearises every cell's force around these positions.
   void linearise(const Eigen::Ref<const Eigen::Matrix3Xd>& positions);
@@ -122,8 +145,10 @@ class Assembly {
   void makeRoom(int num_vertices, int num_blocks);
   void packCell(const PolyhedralMesh& mesh, CellId id, PackedCell& cell);
   void makeWorkspace();
-  void makePattern();
+  void makePattern() const;
+  std::vector<CorotatedBody::Cell> bodyCells(const std::vector<CellId>& cells, const PolyhedralMesh& mesh) const;
   void makeMasses();
+  void makeBlockMasses() const;
   void applyMassFloor();
   void assembleStiffness(double scale, Blocks& matrix) const;
   CellView view(const PackedCell& cell) const;
@@ -144,17 +169,20 @@ class Assembly {
   std::vector<PackedCell> cells_;
   std::vector<int> cell_vertices_;
   Eigen::Matrix3Xd gradients_;  // Gm of all cells side by side
-  std::vector<int>
+  mutable std::vector<int>
       cell_blocks_;  // lower triangle, row by row: block of local vertices (0,0) (1,0) (1,1) (2,0) ...
   int num_packed_vertices_ = 0;  // places in use or left behind, of cell_vertices_, gradients_
   int num_left_vertices_ = 0;    // of these, left behind by cells that were removed or changed
   int num_packed_blocks_ = 0;    // places in use or left behind, of cell_blocks_
-  BlockPattern pattern_;
+  mutable BlockPattern pattern_;
+  mutable bool has_pattern_ = false;
   Eigen::VectorXd vertex_masses_;
-  std::vector<double> block_masses_;  // by block [kg]: entry m_ij of M
+  mutable std::vector<double> block_masses_;  // by block [kg]: entry m_ij of M; comes and goes with pattern_
   double moved_mass_ = 0;
 
-  std::vector<CellLinearisation> linearisations_;  // by cell id
+  std::optional<CorotatedBody> body_;
+  DifferenceMatrix<double> differences_;           // room of assemble()
+  std::vector<CellLinearisation> linearisations_;  // by cell id, where there is no body_
   int largest_cell_ = 0;                           // most vertices of a cell
   CellWorkspace work_{0};
   Eigen::Matrix3Xd gathered_, cell_forces_;

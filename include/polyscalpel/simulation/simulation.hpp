@@ -17,6 +17,7 @@
 #include "polyscalpel/simulation/mesh_quality.hpp"
 #include "polyscalpel/simulation/piece_table.hpp"
 #include "polyscalpel/simulation/simulation_config.hpp"
+#include "polyscalpel/solver/solver_report.hpp"
 
 namespace polyscalpel {
 
@@ -89,6 +90,9 @@ struct StepReport {
   double relative_residual = 0;
   int solves = 0;
   int iterations = 0;  ///< Newton steps of the static modes
+  SolverReport solver;      ///< dynamic scenes
+  int half_steps = 0;       ///< > 0: the step was made of so many shorter ones, since it failed as a whole
+  int sleeping_pieces = 0;  ///< after the step
   StageTimes times;
   std::vector<ToolReport> tools;  ///< one a tool of the config
   std::vector<AppliedContact> contacts;

@@ -15,6 +15,7 @@
 #include "polyscalpel/elements/element_config.hpp"
 #include "polyscalpel/materials/isotropic_material.hpp"
 #include "polyscalpel/mesh/mesh_io.hpp"
+#include "polyscalpel/solver/solver_config.hpp"
 
 namespace polyscalpel {
 
@@ -93,6 +94,10 @@ struct IntegrationConfig {
   /// In [0, 1]: lowest mass of a vertex that a cut makes or touches, as a part of the median rest mass; taken
   /// from its neighbours (see Assembly).
   double mass_floor = 0.02;
+  /// >= 0 [m/s]: a piece of which no vertex has been faster for sleep_after_s sleeps, and costs nothing, until
+  /// a tool touches it or it is cut. 0: none ever does. Dynamic scenes.
+  double sleep_speed_m_s = 0;
+  double sleep_after_s = 0.5;  ///< in [0, 1e6]
 };
 
 struct ToolConfig {
@@ -116,6 +121,7 @@ struct SimulationConfig {
   std::vector<RegionConfig> regions;  ///< cells of other materials
   std::vector<FixedRegion> fixed;
   IntegrationConfig integration;
+  SolverConfig solver;                   ///< of dynamic scenes; the static modes factor
   std::optional<CuttingConfig> cutting;  ///< none: neither blades nor the cut service
   /// None: nothing tears by itself. Needs cutting and a material with a strength.
   std::optional<FractureConfig> fracture;

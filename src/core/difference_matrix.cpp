@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/core/difference_matrix.hpp"
+
+#include "polyscalpel/core/checks.hpp"
+#include "polyscalpel/core/parallel.hpp"
+#include "polyscalpel/core/quad.hpp"
+
+namespace polyscalpel {
+
+namespace {
+constexpr int kRowsAChunk = 512;
+}
+
+template <class Scalar>
+void multiply(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
+              const std::vector<int>& active, const Scalar* x, Scalar* y, int num_threads) {
+  const int* const columns = pattern.column.data();
+  const Scalar* const blocks = matrix.blocks.data();
+  parallelChunks(static_cast<int>(active.size()), kRowsAChunk, num_threads, [&](int first, int last) {
+    for (int k = first; k < last; ++k) {
+      const int i = active[k];
+      const RowPattern::Row& row = pattern.rows[i];
+      const Quad<Scalar> x_i = loadQuad(x + 3 * i);
+      Quad<Scalar> even = matrix.masses[i] * x_i, odd = {};
+      const Scalar* block = blocks + 9 * static_cast<std::ptrdiff_t>(row.first);
+      for (int entry = row.first; entry < row.first + row.count; ++entry, block += 9) {
+        const Quad<Scalar> d = loadQuad(x + 3 * columns[entry]) - x_i;
+        even += loadQuad(block) * d[0];
+        odd += loadQuad(block + 3) * d[1];
+        // The block's last column ends with it: what follows may be another row's or the padding.
+        even += loadQuad(block + 6) * d[2];
+      }
+      storeThree(y + 3 * i, Quad<Scalar>(even + odd));
+    }
+  });
+  for (const auto& tie : matrix.ties) {
+    Eigen::Map<Eigen::Matrix<Scalar, 3, 1>>(y + 3 * tie.vertex) +=
+        tie.stiffness * Eigen::Map<const Eigen::Matrix<Scalar, 3, 1>>(x + 3 * tie.vertex);
+  }
+}
+
+template <class Scalar>
+Eigen::Matrix3d diagonalBlock(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix, int vertex) {
+  const RowPattern::Row& row = pattern.rows[vertex];
+  Eigen::Matrix3d diagonal = Eigen::Matrix3d::Identity() * static_cast<double>(matrix.masses[vertex]);
+  for (int entry = row.first; entry < row.first + row.count; ++entry) {
+    diagonal -=
+        Eigen::Map<const Eigen::Matrix<Scalar, 3, 3>>(&matrix.blocks[9 * static_cast<std::size_t>(entry)])
+            .template cast<double>();
+  }
+  return diagonal;
+}
+
+// Below the diagonal stand the transposed blocks of the row.
+void convert(const RowPattern& rows, const DifferenceMatrix<double>& matrix, const BlockPattern& pattern,
+             Blocks& blocks) {
+  POLYSCALPEL_ASSERT(pattern.numVertices() == rows.numVertices());
+  blocks.resize(pattern.numBlocks());
+  int block = 0;
+  for (int i = 0; i < rows.numVertices(); ++i) {
+    const RowPattern::Row& row = rows.rows[i];
+    blocks[block++] = diagonalBlock(rows, matrix, i);
+    for (int entry = row.first_above; entry < row.first + row.count; ++entry) {
+      POLYSCALPEL_ASSERT(pattern.row[block] == rows.column[entry]);
+      blocks[block++] =
+          Eigen::Map<const Eigen::Matrix3d>(&matrix.blocks[9 * static_cast<std::size_t>(entry)]).transpose();
+    }
+  }
+  for (const auto& tie : matrix.ties) blocks[pattern.column_start[tie.vertex]] += tie.stiffness;
+}
+
+template void multiply<float>(const RowPattern&, const DifferenceMatrix<float>&, const std::vector<int>&,
+                              const float*, float*, int);
+template void multiply<double>(const RowPattern&, const DifferenceMatrix<double>&, const std::vector<int>&,
+                               const double*, double*, int);
+template Eigen::Matrix3d diagonalBlock<float>(const RowPattern&, const DifferenceMatrix<float>&, int);
+template Eigen::Matrix3d diagonalBlock<double>(const RowPattern&, const DifferenceMatrix<double>&, int);
+
+}  // namespace polyscalpel
