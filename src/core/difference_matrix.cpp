@@ -51,6 +51,18 @@ Eigen::Matrix3d diagonalBlock(const RowPattern& pattern, const DifferenceMatrix<
   return diagonal;
 }
 
+BlockPattern toBlockPattern(const RowPattern& rows) {
+  BlockPattern pattern;
+  for (int i = 0; i < rows.numVertices(); ++i) {
+    const RowPattern::Row& row = rows.rows[i];
+    pattern.row.push_back(i);
+    pattern.row.insert(pattern.row.end(), rows.column.begin() + row.first_above,
+                       rows.column.begin() + row.first + row.count);
+    pattern.column_start.push_back(pattern.numBlocks());
+  }
+  return pattern;
+}
+
 // Below the diagonal stand the transposed blocks of the row.
 void convert(const RowPattern& rows, const DifferenceMatrix<double>& matrix, const BlockPattern& pattern,
              Blocks& blocks) {

@@ -75,6 +75,7 @@ Assembly::Assembly(const PolyhedralMesh& mesh, const CellKinds& kinds, double ma
   kind_of_cell_.resize(mesh.cellCapacity(), 0);
   is_touched_.assign(mesh.numVertices(), 0);
   for (const CellId cell : mesh.cells()) makeCell(mesh, cell.index());
+  rest_positions_ = mesh.restPositions();
   if (first.strain == Strain::kCorotated) {
     body_.emplace();
     std::vector<CellId> cells;
@@ -133,6 +134,7 @@ void Assembly::update(const PolyhedralMesh& mesh, const MeshChange& change) {
     make(0);
     helper.join();
   }
+  rest_positions_ = mesh.restPositions();
   if (body_) {
     std::vector<CellId> removed = change.removed_cells;
     removed.insert(removed.end(), change.changed_cells.begin(), change.changed_cells.end());

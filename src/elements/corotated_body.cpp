@@ -495,6 +495,15 @@ template void CorotatedBody::assemble<float>(const Eigen::VectorXd&, double, dou
 template void CorotatedBody::assemble<double>(const Eigen::VectorXd&, double, double,
                                               DifferenceMatrix<double>&);
 
+void CorotatedBody::assembleAtRest(const Eigen::VectorXd& vertex_masses, double mass_scale,
+                                   double stiffness_scale, DifferenceMatrix<double>& matrix) {
+  const std::vector<double> rotations = rotations_, spins = spins_;
+  lineariseAtRest();
+  assemble(vertex_masses, mass_scale, stiffness_scale, matrix);
+  rotations_ = rotations;
+  spins_ = spins;
+}
+
 // As the matrix: row sums, and differences to the neighbours.
 void CorotatedBody::multiplyMass(const Eigen::VectorXd& vertex_masses, bool is_consistent,
                                  const Eigen::Ref<const Eigen::Matrix3Xd>& values,

@@ -6,6 +6,7 @@
 #include "polyscalpel/collision/contact_forces.hpp"
 #include "polyscalpel/core/block_matrix.hpp"
 #include "polyscalpel/core/checks.hpp"
+#include "polyscalpel/core/difference_matrix.hpp"
 
 namespace polyscalpel {
 
@@ -33,6 +34,26 @@ inline void addContactMatrix(const LinearisedContact& contact, double scale, con
       POLYSCALPEL_ASSERT(block >= 0);
       matrix[block] += scale * weights[i].weight * weights[j].weight * contact.B;
     }
+  }
+}
+
+/// The same for a matrix in difference form: what contacts add to a vertex's row in all is a tie.
+template <class Scalar>
+void addContactMatrix(const LinearisedContact& contact, double scale, const RowPattern& pattern,
+                      DifferenceMatrix<Scalar>& matrix) {
+  const std::vector<WeightedVertex>& weights = contact.contact.weights;
+  for (const WeightedVertex& i : weights) {
+    const int vertex = i.vertex.index();
+    double sum = 0;
+    for (const WeightedVertex& j : weights) {
+      sum += j.weight;
+      if (j.vertex == i.vertex) continue;
+      const int entry = pattern.find(vertex, j.vertex.index());
+      POLYSCALPEL_ASSERT(entry >= 0);
+      Eigen::Map<Eigen::Matrix<Scalar, 3, 3>>(&matrix.blocks[9 * static_cast<std::size_t>(entry)]) +=
+          (scale * i.weight * j.weight * contact.B).template cast<Scalar>();
+    }
+    matrix.ties.push_back({vertex, (scale * i.weight * sum * contact.B).template cast<Scalar>()});
   }
 }
 

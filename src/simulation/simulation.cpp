@@ -118,7 +118,7 @@ void Simulation::Impl::reset() {
   stress.reset();
   fracture = FractureCounts();
   if (config.fracture) cracks.emplace(*config.fracture, config.cutting->snap_tolerance);
-  if (isDynamic()) integrator.emplace(config.integration);
+  if (isDynamic()) integrator.emplace(config.integration, config.solver);
   if (hasContact()) surface.emplace(mesh, state.positions);
   for (std::size_t i = 0; i < tools.size(); ++i) {
     tools[i].T_world_tool.reset();

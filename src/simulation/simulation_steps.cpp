@@ -70,6 +70,7 @@ bool Simulation::Impl::stepDynamic(const ToolPoses& T_end, StepReport& report) {
   const IntegrationResult result = integrator->step(state, *assembly, contacts);
   report.relative_residual = result.relative_residual;
   report.solves = result.solves;
+  report.solver = result.solver;
   report.times.assembly_s = result.assembly_s;
   report.times.solve_s = result.solve_s;
   report.times.contact_s += result.contact_s;

@@ -7,12 +7,78 @@
 
 namespace polyscalpel {
 
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// A step's matrix as an iteration asks for it. Its assembly counts as such, though it happens within a
+/// solve.
+class BodySystem final : public StepSystem {
+ public:
+  BodySystem(Assembly& assembly, const IntegrationConfig& config, const std::vector<int>& active,
+             const std::vector<LinearisedContact>& contacts, const std::vector<bool>& acts,
+             double& assembly_s)
+      : assembly_(assembly),
+        body_(*assembly.corotatedBody()),
+        step_s_(config.time_step_s),
+        mass_scale_(1 + step_s_ * config.mass_damping_per_s),
+        stiffness_scale_(step_s_ * (step_s_ + config.stiffness_damping_s)),
+        active_(active),
+        contacts_(contacts),
+        acts_(acts),
+        assembly_s_(assembly_s) {}
+
+  const RowPattern& pattern() const override { return body_.pattern(); }
+  const std::vector<int>& active() const override { return active_; }
+  const Eigen::Matrix3Xd& restPositions() const override { return assembly_.restPositions(); }
+  void assemble(DifferenceMatrix<float>& matrix) override { assembleIn(matrix); }
+  void assemble(DifferenceMatrix<double>& matrix) override { assembleIn(matrix); }
+  void assembleAtRest(DifferenceMatrix<double>& matrix) override {
+    body_.assembleAtRest(assembly_.vertexMasses(), mass_scale_, stiffness_scale_, matrix);
+  }
+  void vertexRotations(std::vector<float>& rotations) override {
+    const StageTimer timer(assembly_s_);
+    body_.vertexRotations(rotations);
+  }
+
+ private:
+  template <class Scalar>
+  void assembleIn(DifferenceMatrix<Scalar>& matrix) {
+    const StageTimer timer(assembly_s_);
+    body_.assemble(assembly_.vertexMasses(), mass_scale_, stiffness_scale_, matrix);
+    for (std::size_t c = 0; c < contacts_.size(); ++c) {
+      if (acts_[c]) addContactMatrix(contacts_[c], step_s_, body_.pattern(), matrix);
+    }
+  }
+
+  Assembly& assembly_;
+  CorotatedBody& body_;
+  double step_s_, mass_scale_, stiffness_scale_;
+  const std::vector<int>& active_;
+  const std::vector<LinearisedContact>& contacts_;
+  const std::vector<bool>& acts_;
+  double& assembly_s_;
+};
+
+}  // namespace
+
+ImplicitEuler::ImplicitEuler(const IntegrationConfig& config, const SolverConfig& solver)
+    : config_(config), solver_config_(solver), iteration_(solver) {}
+
+void ImplicitEuler::restart() {
+  is_analysed_ = false;
+  iteration_.restart();
+}
+
+bool ImplicitEuler::iterates(Assembly& assembly) const {
+  return solver_config_.kind != SolverKind::kDirect && assembly.corotatedBody() != nullptr;
+}
+
 // f_int(x) + (h + b) K v is the force at x + (h + b) v by the same linearisation: K v costs nothing of its
 // own.
-void ImplicitEuler::prepareSystem(const SimulationState& state, Assembly& assembly, bool matrix_stands) {
+void ImplicitEuler::prepareRightSide(const SimulationState& state, Assembly& assembly) {
   const double h = config_.time_step_s, a = config_.mass_damping_per_s, b = config_.stiffness_damping_s;
   assembly.linearise(state.positions);
-  if (!matrix_stands) assembly.assemble(1 + h * a, h * (h + b), matrix_);
   work_ = state.positions + (h + b) * state.velocities;
   assembly.internalForces(work_, forces_);
   work_ = (-a * state.velocities).colwise() + config_.gravity_m_s2;
@@ -20,54 +86,99 @@ void ImplicitEuler::prepareSystem(const SimulationState& state, Assembly& assemb
   rhs_ = h * (rhs_ - forces_);
 }
 
+SolveResult ImplicitEuler::solveByIteration(const SimulationState& state, Assembly& assembly,
+                                            const std::vector<LinearisedContact>& contacts,
+                                            const std::vector<bool>& acts, Clock::time_point step_start,
+                                            IntegrationResult& result) {
+  double assembly_s = 0, both_s = 0;
+  SolveResult solved;
+  {
+    const StageTimer timer(both_s);
+    if (!is_analysed_) {
+      active_.clear();
+      for (std::size_t i = 0; i < state.fixed.size(); ++i) {
+        if (!state.fixed[i]) active_.push_back(static_cast<int>(i));
+      }
+      is_analysed_ = true;
+    }
+    BodySystem system(assembly, config_, active_, contacts, acts, assembly_s);
+    solved = iteration_.solve(system, contacts.empty() ? rhs_ : contact_rhs_, result.solves == 0, step_start,
+                              dv_, result.solver);
+  }
+  result.assembly_s += assembly_s;
+  result.solve_s += both_s - assembly_s;
+  return solved;
+}
+
+SolveResult ImplicitEuler::solveDirectly(const SimulationState& state, Assembly& assembly,
+                                         const std::vector<LinearisedContact>& contacts,
+                                         const std::vector<bool>& acts, IntegrationResult& result) {
+  SolveResult solved;
+  result.solver.kind = SolverKind::kDirect;
+  result.solver.reason = solver_config_.kind == SolverKind::kDirect
+                             ? "the scene asks for it"
+                             : "conjugate gradients need corotated strain";
+  if (!is_analysed_) {
+    const StageTimer timer(result.solve_s);
+    factor_is_plain_ = false;
+    solved.status = direct_.analyse(assembly.pattern(), state.fixed);
+    if (solved.status != SolveStatus::kSolved) return solved;
+    is_analysed_ = true;
+  }
+  // Where the stiffness is constant and nothing touches, the matrix stays the same.
+  const bool factor_stands = contacts.empty() && assembly.hasConstantStiffness() && factor_is_plain_;
+  if (!factor_stands) {
+    {
+      const StageTimer timer(result.assembly_s);
+      const double h = config_.time_step_s;
+      assembly.assemble(1 + h * config_.mass_damping_per_s, h * (h + config_.stiffness_damping_s), matrix_);
+    }
+    {
+      const StageTimer timer(result.contact_s);
+      for (std::size_t c = 0; c < contacts.size(); ++c) {
+        if (acts[c]) addContactMatrix(contacts[c], config_.time_step_s, assembly.pattern(), matrix_);
+      }
+    }
+    const StageTimer timer(result.solve_s);
+    factor_is_plain_ = false;
+    solved.status = direct_.factorise(assembly.pattern(), matrix_);
+    if (solved.status != SolveStatus::kSolved) return solved;
+    factor_is_plain_ = contacts.empty();
+  }
+  const StageTimer timer(result.solve_s);
+  return direct_.solve(contacts.empty() ? rhs_ : contact_rhs_, dv_);
+}
+
 IntegrationResult ImplicitEuler::step(SimulationState& state, Assembly& assembly,
                                       const std::vector<LinearisedContact>& contacts) {
   POLYSCALPEL_ASSERT(state.positions.cols() == assembly.numVertices());
+  const Clock::time_point start = Clock::now();
   IntegrationResult result;
   result.contact_forces.assign(contacts.size(), Eigen::Vector3d::Zero());
   {
-    const StageTimer timer(result.solve_s);
-    if (!is_analysed_) {
-      factor_is_plain_ = false;
-      result.status = solver_.analyse(assembly.pattern(), state.fixed);
-      if (result.status != SolveStatus::kSolved) return result;
-      is_analysed_ = true;
-    }
-  }
-  const bool matrix_stands = assembly.hasConstantStiffness() && factor_is_plain_;
-  {
     const StageTimer timer(result.assembly_s);
-    prepareSystem(state, assembly, matrix_stands && contacts.empty());
+    prepareRightSide(state, assembly);
   }
   std::vector<bool> acts(contacts.size(), true);
   while (true) {
     if (!contacts.empty()) {
       const StageTimer timer(result.contact_s);
-      contact_matrix_ = matrix_;
       contact_rhs_ = rhs_;
       for (std::size_t c = 0; c < contacts.size(); ++c) {
         if (!acts[c]) continue;
         const Contact& contact = contacts[c].contact;
-        const double h = config_.time_step_s;
-        addContactMatrix(contacts[c], h, assembly.pattern(), contact_matrix_);
-        addAtContact(contact, h * contactForce(contacts[c], atContact(contact, state.velocities)),
+        addAtContact(contact,
+                     config_.time_step_s * contactForce(contacts[c], atContact(contact, state.velocities)),
                      contact_rhs_);
       }
     }
-    {
-      const StageTimer timer(result.solve_s);
-      if (!(matrix_stands && contacts.empty())) {
-        factor_is_plain_ = false;
-        result.status = solver_.factorise(assembly.pattern(), contacts.empty() ? matrix_ : contact_matrix_);
-        if (result.status != SolveStatus::kSolved) return result;
-        factor_is_plain_ = contacts.empty();
-      }
-      const SolveResult solved = solver_.solve(contacts.empty() ? rhs_ : contact_rhs_, dv_);
-      ++result.solves;
-      result.status = solved.status;
-      result.relative_residual = solved.relative_residual;
-      if (result.status != SolveStatus::kSolved) return result;
-    }
+    const SolveResult solved = iterates(assembly)
+                                   ? solveByIteration(state, assembly, contacts, acts, start, result)
+                                   : solveDirectly(state, assembly, contacts, acts, result);
+    ++result.solves;
+    result.status = solved.status;
+    result.relative_residual = solved.relative_residual;
+    if (result.status != SolveStatus::kSolved) return result;
     work_ = state.velocities + dv_;
     if (contacts.empty()) break;
     const StageTimer timer(result.contact_s);

@@ -297,6 +297,36 @@ SolveStatus DirectSolver::factorise(const BlockPattern& pattern, const Blocks& b
   return SolveStatus::kSolved;
 }
 
+FactorPanels DirectSolver::panels() const {
+  const Impl& s = *impl_;
+  POLYSCALPEL_ASSERT(s.has_factor);
+  FactorPanels panels;
+  if (s.num_free == 0) return panels;
+  const cholmod_factor& L = *s.factor;
+  POLYSCALPEL_ASSERT(L.is_super && L.xtype == CHOLMOD_REAL);
+  const int* const super = static_cast<const int*>(L.super);
+  const int* const first_row = static_cast<const int*>(L.pi);
+  const int* const first_value = static_cast<const int*>(L.px);
+  const int* const rows = static_cast<const int*>(L.s);
+  for (std::size_t k = 0; k < L.nsuper; ++k) {
+    panels.supernodes.push_back({super[k],
+                                 super[k + 1] - super[k],
+                                 {rows + first_row[k], rows + first_row[k + 1]},
+                                 static_cast<std::size_t>(first_value[k])});
+  }
+  const double* const values = static_cast<const double*>(L.x);
+  panels.values.assign(values, values + L.xsize);
+  std::vector<int> vertex_of_free(s.num_free);
+  for (std::size_t i = 0; i < s.free_index.size(); ++i) {
+    if (s.free_index[i] >= 0) vertex_of_free[s.free_index[i]] = static_cast<int>(i);
+  }
+  const int* const permutation = static_cast<const int*>(L.Perm);
+  panels.places.reserve(L.n);
+  for (std::size_t k = 0; k < L.n; ++k)
+    panels.places.push_back(3 * vertex_of_free[permutation[k] / 3] + permutation[k] % 3);
+  return panels;
+}
+
 // residual = b - A x; returns |residual| / |b|.
 double DirectSolver::Impl::updateResidual() {
   residual = b;

@@ -46,13 +46,16 @@ template <class Scalar>
 void multiply(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
               const std::vector<int>& active, const Scalar* x, Scalar* y, int num_threads = 1);
 
-/// Diagonal block A_ii = S_i - sum of A_ij.
+/// Diagonal block A_ii = S_i - sum of A_ij, without ties.
 template <class Scalar>
 Eigen::Matrix3d diagonalBlock(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix, int vertex);
 
 /// The same matrix on a pattern that has all its blocks.
 void convert(const RowPattern& rows, const DifferenceMatrix<double>& matrix, const BlockPattern& pattern,
              Blocks& blocks);
+
+/// The blocks of rows on and below the diagonal.
+BlockPattern toBlockPattern(const RowPattern& rows);
 
 extern template void multiply<float>(const RowPattern&, const DifferenceMatrix<float>&,
                                      const std::vector<int>&, const float*, float*, int);

@@ -51,6 +51,8 @@ class Assembly {
   void update(const PolyhedralMesh& mesh, const MeshChange& change);
 
   int numVertices() const { return static_cast<int>(is_touched_.size()); }
+  /// 3 x n [m].
+  const Eigen::Matrix3Xd& restPositions() const { return rest_positions_; }
   /// Whether the stiffness is the same in every deformation.
   bool hasConstantStiffness() const { return !measure_->rotates(); }
 
@@ -180,6 +182,7 @@ class Assembly {
   mutable std::vector<double> block_masses_;  // by block [kg]: entry m_ij of M; comes and goes with pattern_
   double moved_mass_ = 0;
 
+  Eigen::Matrix3Xd rest_positions_;
   std::optional<CorotatedBody> body_;
   DifferenceMatrix<double> differences_;           // room of assemble()
   std::vector<CellLinearisation> linearisations_;  // by cell id, where there is no body_

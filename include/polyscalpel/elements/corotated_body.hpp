@@ -57,6 +57,10 @@ class CorotatedBody {
   void assemble(const Eigen::VectorXd& vertex_masses, double mass_scale, double stiffness_scale,
                 DifferenceMatrix<Scalar>& matrix);
 
+  /// The same in the rest shape, whatever the last linearisation is.
+  void assembleAtRest(const Eigen::VectorXd& vertex_masses, double mass_scale, double stiffness_scale,
+                      DifferenceMatrix<double>& matrix);
+
   /// Rotation of each vertex, near those of its cells, 9 numbers each column by column.
   void vertexRotations(std::vector<float>& rotations);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <vector>
 
 #include <Eigen/Core>
@@ -10,6 +11,7 @@
 #include "polyscalpel/simulation/simulation_config.hpp"
 #include "polyscalpel/simulation/simulation_state.hpp"
 #include "polyscalpel/solver/direct_solver.hpp"
+#include "polyscalpel/solver/step_solver.hpp"
 
 namespace polyscalpel {
 
@@ -18,6 +20,7 @@ struct IntegrationResult {
   SolveStatus status = SolveStatus::kSolved;
   double relative_residual = 0;  ///< of the last solve
   int solves = 0;
+  SolverReport solver;
   /// Force on the tissue of each contact handed in [N]; zero for one that was let go.
   std::vector<Eigen::Vector3d> contact_forces;
   double assembly_s = 0;  ///< wall time, as in StageTimes
@@ -35,12 +38,18 @@ struct IntegrationResult {
 /// touches, the matrix stays the same and is factored once.
 class ImplicitEuler {
  public:
-  /// config: valid. The object keeps what belongs to one pattern and one set of fixed vertices; see
-  /// restart().
-  explicit ImplicitEuler(const IntegrationConfig& config) : config_(config) {}
+  /// config, solver: valid. The object keeps what belongs to one pattern and one set of fixed vertices; see
+  /// restart(). solver: SolverKind::kAuto factors directly where the strain is not corotated.
+  explicit ImplicitEuler(const IntegrationConfig& config, const SolverConfig& solver = factorInEveryStep());
 
   /// To be called before the first step and whenever the pattern or the fixed vertices have changed.
-  void restart() { is_analysed_ = false; }
+  void restart();
+
+  static SolverConfig factorInEveryStep() {
+    SolverConfig config;
+    config.kind = SolverKind::kDirect;
+    return config;
+  }
 
   /// One step. Vertices of a contact belong to one face. Contacts whose solved force pulls (normal . force <
   /// 0) are let go and the step is solved again, IntegrationConfig::contact_iterations solves at most; one
@@ -50,15 +59,25 @@ class ImplicitEuler {
                          const std::vector<LinearisedContact>& contacts);
 
  private:
-  void prepareSystem(const SimulationState& state, Assembly& assembly, bool matrix_stands);
+  void prepareRightSide(const SimulationState& state, Assembly& assembly);
+  bool iterates(Assembly& assembly) const;
+  SolveResult solveByIteration(const SimulationState& state, Assembly& assembly,
+                               const std::vector<LinearisedContact>& contacts, const std::vector<bool>& acts,
+                               std::chrono::steady_clock::time_point step_start, IntegrationResult& result);
+  SolveResult solveDirectly(const SimulationState& state, Assembly& assembly,
+                            const std::vector<LinearisedContact>& contacts, const std::vector<bool>& acts,
+                            IntegrationResult& result);
 
   IntegrationConfig config_;
-  DirectSolver solver_;
+  SolverConfig solver_config_;
+  StepSolver iteration_;
+  std::vector<int> active_;  // vertices that move
+  DirectSolver direct_;
   bool is_analysed_ = false;
   bool factor_is_plain_ = false;  // the factor is that of the matrix without contacts
 
-  // System without contacts, and with them; kept to allocate once.
-  Blocks matrix_, contact_matrix_;
+  // Kept to allocate once.
+  Blocks matrix_;
   Eigen::Matrix3Xd rhs_, contact_rhs_;
   Eigen::Matrix3Xd work_, forces_, dv_;
 };

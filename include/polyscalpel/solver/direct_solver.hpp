@@ -27,6 +27,19 @@ struct SolveResult {
   int refinements = 0;           ///< steps of iterative refinement taken, 0 or 1
 };
 
+/// A factor L of P A P^T as dense panels, one a supernode: columns that have the same rows.
+struct FactorPanels {
+  struct Supernode {
+    int first_column = 0, num_columns = 0;
+    std::vector<int> rows;        ///< ascending; first the columns themselves
+    std::size_t first_value = 0;  ///< of rows.size() x num_columns values, column by column; the part above
+                                  ///< the diagonal is undefined
+  };
+  std::vector<Supernode> supernodes;
+  std::vector<double> values;
+  std::vector<int> places;  ///< of each row of L: its dof, 3 a vertex, fixed ones counted
+};
+
 /// Sparse Cholesky factorisation (CHOLMOD, supernodal) of a symmetric block matrix without the rows and
 /// columns of fixed vertices. Fill-reducing ordering and symbolic analysis once a pattern, numeric factor
 /// once a matrix. Same input, same bits: BLAS is held to one thread, for the whole process.
@@ -52,6 +65,9 @@ class DirectSolver {
   /// Solves A x = b with the last factor, which must be there. b: 3 x n, columns of fixed vertices are not
   /// looked at. x: 3 x n, zero at fixed vertices; zero everywhere unless the status is kSolved.
   SolveResult solve(const Eigen::Ref<const Eigen::Matrix3Xd>& b, Eigen::Matrix3Xd& x);
+
+  /// A copy of the factor, which must be there.
+  FactorPanels panels() const;
 
   /// Whether the last factorise() succeeded and no analyse() followed.
   bool hasFactor() const;

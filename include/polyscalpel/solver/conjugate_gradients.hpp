@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "polyscalpel/core/difference_matrix.hpp"
+#include "polyscalpel/solver/preconditioner.hpp"
+
+namespace polyscalpel {
+
+struct IterationLimits {
+  double tolerance = 1e-4;             ///< |r| / |b|
+  std::optional<double> error_target;  ///< instead: estimated error in the norm of A, relative to x
+  int max_iterations = 500;
+  std::optional<std::chrono::steady_clock::time_point> deadline;  ///< ends it, after the first iteration
+};
+
+struct IterationResult {
+  enum class End {
+    kConverged,
+    kDeadline,
+    kIterations,  ///< max_iterations
+    kBreakdown,   ///< a number that is not finite, or A or B not positive along a direction
+  };
+  End end = End::kConverged;
+  int iterations = 0;
+  double relative_residual = 0;  ///< |r| / |b|, r updated from step to step
+  double estimated_error = 0;    ///< |x - A^-1 b| / |x| in the norm of A
+};
+
+/// Preconditioned conjugate gradients (M. Hestenes, E. Stiefel, "Methods of Conjugate Gradients for Solving
+/// Linear Systems", 1952). The error is told by their equation 6:1: |x_k - x|^2 in the norm of A is the sum
+/// of alpha_j r_j.z_j over all later steps j (Z. Strakos, P. Tichy, "On Error Estimation in the Conjugate
+/// Gradient Method and Why It Works in Finite Precision Computations", 2002); of these the next few are taken
+/// from how the last ones fell. Sums run in double precision, in a fixed order.
+template <class Scalar>
+class ConjugateGradients {
+ public:
+  using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+
+  /// Solves A x = b from the x that is given. b, x: of paddedSize(), zero at vertices that are not active.
+  IterationResult solve(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
+                        const std::vector<int>& active, const Vector& b, Preconditioner& preconditioner,
+                        const IterationLimits& limits, int num_threads, Vector& x);
+
+ private:
+  void precondition(Preconditioner& preconditioner);
+
+  Vector r_, z_, p_, q_;
+  Eigen::VectorXf single_r_, single_z_;  // of the iteration in double precision
+};
+
+extern template class ConjugateGradients<float>;
+extern template class ConjugateGradients<double>;
+
+/// a . b in double precision, in a fixed order.
+template <class Scalar>
+double dot(const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& a, const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& b);
+
+}  // namespace polyscalpel

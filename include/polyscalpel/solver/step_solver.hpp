@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "polyscalpel/core/difference_matrix.hpp"
+#include "polyscalpel/solver/direct_solver.hpp"
+#include "polyscalpel/solver/solver_config.hpp"
+#include "polyscalpel/solver/solver_report.hpp"
+
+namespace polyscalpel {
+
+/// The system of one step as its solver asks for it.
+class StepSystem {
+ public:
+  virtual ~StepSystem() = default;
+  virtual const RowPattern& pattern() const = 0;
+  /// Vertices that move, ascending. Valid until StepSolver::restart().
+  virtual const std::vector<int>& active() const = 0;
+  /// 3 x n [m].
+  virtual const Eigen::Matrix3Xd& restPositions() const = 0;
+  /// The matrix as it is now.
+  virtual void assemble(DifferenceMatrix<float>& matrix) = 0;
+  virtual void assemble(DifferenceMatrix<double>& matrix) = 0;
+  /// The same in the rest shape, without contacts.
+  virtual void assembleAtRest(DifferenceMatrix<double>& matrix) = 0;
+  /// Rotation of each vertex, 9 numbers, column by column.
+  virtual void vertexRotations(std::vector<float>& rotations) = 0;
+};
+
+/// Solves a body's steps one after the other, by what SolverConfig says, and by something slower where that
+/// fails: double precision, then a direct factor.
+class StepSolver {
+ public:
+  explicit StepSolver(const SolverConfig& config);
+  ~StepSolver();
+  StepSolver(StepSolver&&) noexcept;
+  StepSolver& operator=(StepSolver&&) noexcept;
+
+  /// To be called before the first step and whenever the pattern or the active vertices have changed.
+  void restart();
+
+  /// x = A^-1 b, 3 x n; zero at vertices that are not active. begins_step: false where contacts alone have
+  /// changed since the last solve. step_start: when the step began, for its budget.
+  SolveResult solve(StepSystem& system, const Eigen::Matrix3Xd& b, bool begins_step,
+                    std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x,
+                    SolverReport& report);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace polyscalpel

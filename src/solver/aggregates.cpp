@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/solver/aggregates.hpp"
+
+#include <algorithm>
+
+#include "vertex_turns.hpp"
+
+namespace polyscalpel {
+
+namespace {
+
+/// Vertices of a group. Fewer make a larger coarse system and fewer iterations.
+constexpr int kGroupSize = 60;
+
+using Coarse = Eigen::Matrix<double, 6, 6>;
+
+Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d result;
+  result << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return result;
+}
+
+/// block += P_i^T A P_j, P = (I, -[arm]_x).
+void addBetween(const Eigen::Vector3d& arm_i, const Eigen::Matrix3d& A, const Eigen::Vector3d& arm_j,
+                Coarse& block) {
+  const Eigen::Matrix3d turned = -A * crossMatrix(arm_j);
+  const Eigen::Matrix3d back = crossMatrix(arm_i);
+  block.topLeftCorner<3, 3>() += A;
+  block.topRightCorner<3, 3>() += turned;
+  block.bottomLeftCorner<3, 3>().noalias() += back * A;
+  block.bottomRightCorner<3, 3>().noalias() += back * turned;
+}
+
+}  // namespace
+
+std::vector<int> makeAggregates(const RowPattern& pattern, const std::vector<int>& active, int size,
+                                int& num_groups) {
+  constexpr int kOut = -1, kOpen = -2;
+  std::vector<int> group(pattern.numVertices(), kOut);
+  for (const int i : active) group[i] = kOpen;
+  std::vector<std::vector<int>> members;
+  std::vector<int> seeds;  // neighbours of groups, by which the next ones grow beside them
+  std::size_t next_seed = 0;
+  const auto forEachNeighbour = [&](int i, const auto& visit) {
+    const RowPattern::Row& row = pattern.rows[i];
+    for (int k = row.first; k < row.first + row.count; ++k) visit(pattern.column[k]);
+  };
+  for (const int start : active) {
+    if (group[start] != kOpen) continue;
+    seeds.push_back(start);
+    while (next_seed < seeds.size()) {
+      const int seed = seeds[next_seed++];
+      if (group[seed] != kOpen) continue;
+      const int number = static_cast<int>(members.size());
+      std::vector<int> queue = {seed};
+      group[seed] = number;
+      for (std::size_t k = 0; k < queue.size(); ++k) {
+        forEachNeighbour(queue[k], [&](int other) {
+          if (group[other] != kOpen) return;
+          if (static_cast<int>(queue.size()) < size) {
+            group[other] = number;
+            queue.push_back(other);
+          } else {
+            seeds.push_back(other);
+          }
+        });
+      }
+      members.push_back(std::move(queue));
+    }
+  }
+  // Small leftovers join the neighbour they have most to do with.
+  std::vector<int> links(members.size(), 0);
+  for (std::size_t g = 0; g < members.size(); ++g) {
+    if (3 * static_cast<int>(members[g].size()) >= size) continue;
+    std::vector<int> around;
+    for (const int i : members[g]) {
+      forEachNeighbour(i, [&](int other) {
+        const int of = group[other];
+        if (of < 0 || of == static_cast<int>(g)) return;
+        if (links[of]++ == 0) around.push_back(of);
+      });
+    }
+    int best = -1;
+    for (const int of : around) {
+      if (best < 0 || links[of] > links[best] || (links[of] == links[best] && of < best)) best = of;
+    }
+    for (const int of : around) links[of] = 0;
+    if (best < 0) continue;
+    for (const int i : members[g]) group[i] = best;
+    members[best].insert(members[best].end(), members[g].begin(), members[g].end());
+    members[g].clear();
+  }
+  std::vector<int> number(members.size(), -1);
+  num_groups = 0;
+  for (std::size_t g = 0; g < members.size(); ++g) {
+    if (!members[g].empty()) number[g] = num_groups++;
+  }
+  for (int& of : group) {
+    if (of >= 0) of = number[of];
+  }
+  return group;
+}
+
+SolveStatus AggregatePreconditioner::make(const RowPattern& pattern,
+                                          const DifferenceMatrix<double>& rest_matrix,
+                                          const Eigen::Ref<const Eigen::Matrix3Xd>& rest_positions,
+                                          const std::vector<int>& active) {
+  group_ = makeAggregates(pattern, active, kGroupSize, num_groups_);
+  std::vector<std::vector<int>> members(num_groups_);
+  for (const int i : active) members[group_[i]].push_back(i);
+
+  // Arms in the group's size, so that turns weigh as much as shifts.
+  Eigen::Matrix3Xd arms = Eigen::Matrix3Xd::Zero(3, pattern.numVertices());
+  for (const std::vector<int>& group : members) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const int i : group) middle += rest_positions.col(i);
+    middle /= static_cast<double>(group.size());
+    double square = 0;
+    for (const int i : group) square += (rest_positions.col(i) - middle).squaredNorm();
+    const double length = square > 0 ? std::sqrt(square / static_cast<double>(group.size())) : 1;
+    for (const int i : group) arms.col(i) = (rest_positions.col(i) - middle) / length;
+  }
+  arms_.resize(arms.size());
+  Eigen::Map<Eigen::VectorXf>(arms_.data(), arms.size()) = arms.reshaped().cast<float>();
+  coarse_values_.assign(6 * static_cast<std::size_t>(num_groups_), 0.0F);
+
+  // P^T A_0 P on and below the diagonal, column by column; two block rows a group.
+  BlockPattern coarse;
+  Blocks blocks;
+  std::vector<int> place(num_groups_, -1);
+  std::vector<int> around;
+  std::vector<Coarse> column;
+  for (int g = 0; g < num_groups_; ++g) {
+    around.assign(1, g);
+    column.assign(1, Coarse::Zero());
+    place[g] = 0;
+    for (const int j : members[g]) {
+      Eigen::Matrix3d diagonal = diagonalBlock(pattern, rest_matrix, j);
+      addBetween(arms.col(j), diagonal, arms.col(j), column[0]);
+      const RowPattern::Row& row = pattern.rows[j];
+      for (int k = row.first; k < row.first + row.count; ++k) {
+        const int i = pattern.column[k], of = group_[i];
+        if (of < g) continue;  // inactive, or above the diagonal
+        if (place[of] < 0) {
+          place[of] = static_cast<int>(around.size());
+          around.push_back(of);
+          column.push_back(Coarse::Zero());
+        }
+        // The row of j has A_ji; wanted is A_ij.
+        const Eigen::Matrix3d A =
+            Eigen::Map<const Eigen::Matrix3d>(&rest_matrix.blocks[9 * static_cast<std::size_t>(k)]).transpose();
+        addBetween(arms.col(i), A, arms.col(j), column[place[of]]);
+      }
+    }
+    // A group of one vertex or of a line does not feel all turns.
+    constexpr double kSupport = 1e-9;
+    column[0].diagonal().array() += kSupport * column[0].diagonal().maxCoeff();
+    std::vector<int> order(around.begin() + 1, around.end());
+    std::sort(order.begin(), order.end());
+    for (int half = 0; half < 2; ++half) {
+      for (int part = half; part < 2; ++part) {
+        coarse.row.push_back(2 * g + part);
+        blocks.push_back(column[0].block<3, 3>(3 * part, 3 * half));
+      }
+      for (const int of : order) {
+        for (int part = 0; part < 2; ++part) {
+          coarse.row.push_back(2 * of + part);
+          blocks.push_back(column[place[of]].block<3, 3>(3 * part, 3 * half));
+        }
+      }
+      coarse.column_start.push_back(coarse.numBlocks());
+    }
+    for (const int of : around) place[of] = -1;
+  }
+  if (num_groups_ == 0) return SolveStatus::kSolved;
+  return coarse_.factorise(coarse, blocks, std::vector<bool>(2 * num_groups_, false));
+}
+
+void AggregatePreconditioner::apply(const float* residual, float* result) {
+  std::fill(coarse_values_.begin(), coarse_values_.end(), 0.0F);
+  for (const int i : *active_) {
+    float r[3];
+    turnBack(rotations_ + 9 * i, residual + 3 * i, r);
+    const float* const arm = &arms_[3 * i];
+    float* const sum = &coarse_values_[6 * group_[i]];
+    for (int c = 0; c < 3; ++c) sum[c] += r[c];
+    sum[3] += arm[1] * r[2] - arm[2] * r[1];
+    sum[4] += arm[2] * r[0] - arm[0] * r[2];
+    sum[5] += arm[0] * r[1] - arm[1] * r[0];
+  }
+  if (num_groups_ > 0) coarse_.solve(coarse_values_.data());
+  jacobi_.apply(residual, result);
+  for (const int i : *active_) {
+    const float* const u = &coarse_values_[6 * group_[i]];
+    const float* const arm = &arms_[3 * i];
+    float moved[3] = {u[0] + u[4] * arm[2] - u[5] * arm[1], u[1] + u[5] * arm[0] - u[3] * arm[2],
+                      u[2] + u[3] * arm[1] - u[4] * arm[0]};
+    turn(rotations_ + 9 * i, moved, moved);
+    for (int c = 0; c < 3; ++c) result[3 * i + c] += moved[c];
+  }
+}
+
+}  // namespace polyscalpel

@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/solver/step_solver.hpp"
+
+#include <cmath>
+#include <deque>
+#include <future>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "polyscalpel/core/checks.hpp"
+#include "polyscalpel/solver/aggregates.hpp"
+#include "polyscalpel/solver/block_jacobi.hpp"
+#include "polyscalpel/solver/conjugate_gradients.hpp"
+#include "polyscalpel/solver/turned_factor.hpp"
+
+namespace polyscalpel {
+
+namespace {
+
+/// Up to so many vertices that move, a factor's solve costs less than the iterations it saves.
+constexpr std::size_t kFewVertices = 6000;
+/// Where stiffness is less than this many times the mass in the matrix, diagonal blocks need few iterations.
+constexpr double kMildStiffness = 4;
+/// A tolerance that single precision reaches.
+constexpr double kSingleTolerance = 1e-6;
+
+using Vectors = std::deque<Eigen::MatrixXd>;
+
+struct MadeFactor {
+  SolveStatus status = SolveStatus::kSolved;
+  SingleFactor factor;
+};
+
+MadeFactor makeFactor(const RowPattern& rows, const DifferenceMatrix<double>& matrix,
+                      const std::vector<bool>& fixed) {
+  const BlockPattern pattern = toBlockPattern(rows);
+  Blocks blocks;
+  convert(rows, matrix, pattern, blocks);
+  MadeFactor made;
+  made.status = made.factor.factorise(pattern, blocks, fixed);
+  return made;
+}
+
+/// The largest ratio of stiffness to mass on the diagonal.
+double stiffnessOverMass(const RowPattern& pattern, const DifferenceMatrix<double>& matrix,
+                         const std::vector<int>& active) {
+  double largest = 0;
+  for (const int i : active) {
+    const double mass = matrix.masses[i];
+    if (mass > 0) largest = std::max(largest, diagonalBlock(pattern, matrix, i).trace() / (3 * mass) - 1);
+  }
+  return largest;
+}
+
+}  // namespace
+
+struct StepSolver::Impl {
+  SolverConfig config;
+  bool is_restarted = true;
+  bool is_first = true;        // nothing has been cut yet
+  int steps_since_restart = 0;
+  SolverKind kind = SolverKind::kAuto;  // what the config or the choice says
+  std::string reason;
+
+  std::vector<bool> fixed;
+  DifferenceMatrix<double> rest_matrix;
+  std::optional<TurnedFactor> factor;
+  std::future<MadeFactor> next_factor;
+  std::optional<AggregatePreconditioner> aggregates;
+  BlockJacobi jacobi;
+  std::vector<float> rotations;
+
+  // What belongs to one precision.
+  template <class Scalar>
+  struct Lane {
+    DifferenceMatrix<Scalar> matrix;
+    ConjugateGradients<Scalar> iteration;
+    Eigen::Matrix<Scalar, Eigen::Dynamic, 1> b, x, product;
+    std::vector<Eigen::Matrix<Scalar, Eigen::Dynamic, 1>> products;
+  };
+  Lane<float> single;
+  Lane<double> twofold;
+  std::deque<Eigen::VectorXd> solutions;  // the last first
+
+  DirectSolver direct;
+  BlockPattern direct_pattern;
+  bool is_direct_analysed = false;
+  Blocks blocks;
+
+  explicit Impl(const SolverConfig& given) : config(given) { validate(config); }
+
+  void choose(StepSystem& system);
+  void prepare(StepSystem& system);
+  Preconditioner& preconditioner(StepSystem& system, SolverReport& report);
+  template <class Scalar>
+  void startFromEarlier(const StepSystem& system, Lane<Scalar>& lane);
+  template <class Scalar>
+  bool iterate(StepSystem& system, Lane<Scalar>& lane, const Eigen::Matrix3Xd& b, bool assembles,
+               std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x, SolverReport& report,
+               SolveResult& result);
+  SolveResult solveDirectly(StepSystem& system, const Eigen::Matrix3Xd& b, Eigen::Matrix3Xd& x);
+};
+
+void StepSolver::Impl::choose(StepSystem& system) {
+  kind = config.kind;
+  if (kind != SolverKind::kAuto) {
+    reason = "the scene asks for it";
+    return;
+  }
+  const std::size_t moving = system.active().size();
+  const double ratio = stiffnessOverMass(system.pattern(), rest_matrix, system.active());
+  if (ratio < kMildStiffness) {
+    kind = SolverKind::kJacobi;
+    reason = "the step is short: mass outweighs stiffness";
+  } else if (moving <= kFewVertices) {
+    kind = SolverKind::kFactor;
+    reason = "at most " + std::to_string(kFewVertices) + " vertices move";
+  } else {
+    kind = SolverKind::kAggregates;
+    reason = "more than " + std::to_string(kFewVertices) + " vertices move";
+  }
+}
+
+// What depends on the pattern and on which vertices move.
+void StepSolver::Impl::prepare(StepSystem& system) {
+  is_restarted = false;
+  steps_since_restart = 0;
+  fixed.assign(system.pattern().numVertices(), true);
+  for (const int i : system.active()) fixed[i] = false;
+  system.assembleAtRest(rest_matrix);
+  choose(system);
+  factor.reset();
+  if (next_factor.valid()) next_factor.wait();
+  next_factor = {};
+  aggregates.reset();
+  solutions.clear();
+  is_direct_analysed = false;
+  if (kind == SolverKind::kFactor && is_first) {
+    MadeFactor made = makeFactor(system.pattern(), rest_matrix, fixed);
+    if (made.status == SolveStatus::kSolved) factor.emplace(std::move(made.factor));
+  }
+  is_first = false;
+}
+
+Preconditioner& StepSolver::Impl::preconditioner(StepSystem& system, SolverReport& report) {
+  report.kind = kind;
+  if (kind == SolverKind::kFactor && !factor) report.kind = SolverKind::kAggregates;
+  if (report.kind == SolverKind::kAggregates && !aggregates) {
+    aggregates.emplace();
+    const SolveStatus status =
+        aggregates->make(system.pattern(), rest_matrix, system.restPositions(), system.active());
+    if (status != SolveStatus::kSolved) kind = SolverKind::kJacobi;
+  }
+  if (kind == SolverKind::kJacobi) report.kind = kind;
+  if (report.kind != SolverKind::kJacobi) system.vertexRotations(rotations);
+  switch (report.kind) {
+    case SolverKind::kFactor:
+      factor->update(rotations, system.active());
+      return *factor;
+    case SolverKind::kAggregates:
+      return *aggregates;
+    default:
+      return jacobi;
+  }
+}
+
+// Galerkin's projection on earlier solutions: x = X y, X^T A X y = X^T b (P. Fischer, "Projection Techniques
+// for Iterative Solution of Ax = b with Successive Right-Hand Sides", 1998).
+template <class Scalar>
+void StepSolver::Impl::startFromEarlier(const StepSystem& system, Lane<Scalar>& lane) {
+  lane.x.setZero(lane.b.size());
+  const int count = static_cast<int>(solutions.size());
+  if (count == 0) return;
+  Eigen::MatrixXd gram(count, count);
+  Eigen::VectorXd right(count);
+  std::vector<Eigen::Matrix<Scalar, Eigen::Dynamic, 1>> columns;
+  for (int k = 0; k < count; ++k) {
+    columns.push_back(solutions[k].template cast<Scalar>());
+    lane.product.setZero(lane.b.size());
+    multiply(system.pattern(), lane.matrix, system.active(), columns[k].data(), lane.product.data(),
+             config.threads);
+    for (int l = 0; l <= k; ++l) gram(k, l) = gram(l, k) = dot(columns[l], lane.product);
+    right[k] = dot(columns[k], lane.b);
+  }
+  gram.diagonal() *= 1 + 1e-7;  // solutions may be all but parallel
+  const Eigen::VectorXd y = gram.ldlt().solve(right);
+  if (!y.allFinite()) return;
+  for (int k = 0; k < count; ++k) lane.x += static_cast<Scalar>(y[k]) * columns[k];
+}
+
+// Whether it came to an end that will do.
+template <class Scalar>
+bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eigen::Matrix3Xd& b,
+                               bool assembles, std::chrono::steady_clock::time_point step_start,
+                               Eigen::Matrix3Xd& x, SolverReport& report, SolveResult& result) {
+  const std::vector<int>& active = system.active();
+  if (assembles) system.assemble(lane.matrix);
+  Preconditioner& chosen = preconditioner(system, report);
+  if (&chosen == &jacobi) jacobi.update(system.pattern(), lane.matrix, active, config.threads);
+  if (aggregates && &chosen == &*aggregates)
+    aggregates->update(system.pattern(), lane.matrix, active, rotations, config.threads);
+
+  // Of length one, so that single precision neither over- nor underflows.
+  double square = 0;
+  for (const int i : active) square += b.col(i).squaredNorm();
+  const double length = std::sqrt(square);
+  if (!std::isfinite(length)) {
+    result.status = SolveStatus::kNotFinite;
+    return false;
+  }
+  lane.b.setZero(paddedSize(system.pattern().numVertices()));
+  if (length > 0) {
+    for (const int i : active) {
+      for (int c = 0; c < 3; ++c) lane.b[3 * i + c] = static_cast<Scalar>(b(c, i) / length);
+    }
+  }
+  startFromEarlier(system, lane);
+  IterationLimits limits;
+  limits.tolerance = config.tolerance;
+  limits.error_target = config.error_target;
+  limits.max_iterations = config.max_iterations;
+  if (config.step_budget_ms) {
+    limits.deadline = step_start + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                       std::chrono::duration<double, std::milli>(*config.step_budget_ms));
+  }
+  const IterationResult done = lane.iteration.solve(system.pattern(), lane.matrix, active, lane.b, chosen,
+                                                    limits, config.threads, lane.x);
+  report.is_single = std::is_same_v<Scalar, float>;
+  report.iterations += done.iterations;
+  report.estimated_error = done.estimated_error;
+  report.budget_ended = report.budget_ended || done.end == IterationResult::End::kDeadline;
+  result.relative_residual = done.relative_residual;
+  if (done.end == IterationResult::End::kIterations || done.end == IterationResult::End::kBreakdown ||
+      !lane.x.allFinite()) {
+    result.status = SolveStatus::kInaccurate;
+    return false;
+  }
+  x.setZero(3, b.cols());
+  for (const int i : active) {
+    for (int c = 0; c < 3; ++c) x(c, i) = length * static_cast<double>(lane.x[3 * i + c]);
+  }
+  if (config.projection > 0 && length > 0) {
+    if (static_cast<int>(solutions.size()) >= config.projection) solutions.pop_back();
+    solutions.push_front(lane.x.template cast<double>());
+  }
+  result.status = SolveStatus::kSolved;
+  return true;
+}
+
+SolveResult StepSolver::Impl::solveDirectly(StepSystem& system, const Eigen::Matrix3Xd& b,
+                                            Eigen::Matrix3Xd& x) {
+  SolveResult result;
+  if (!is_direct_analysed) {
+    direct_pattern = toBlockPattern(system.pattern());
+    result.status = direct.analyse(direct_pattern, fixed);
+    if (result.status != SolveStatus::kSolved) return result;
+    is_direct_analysed = true;
+  }
+  system.assemble(twofold.matrix);
+  convert(system.pattern(), twofold.matrix, direct_pattern, blocks);
+  result.status = direct.factorise(direct_pattern, blocks);
+  if (result.status != SolveStatus::kSolved) return result;
+  return direct.solve(b, x);
+}
+
+StepSolver::StepSolver(const SolverConfig& config) : impl_(std::make_unique<Impl>(config)) {}
+StepSolver::~StepSolver() = default;
+StepSolver::StepSolver(StepSolver&&) noexcept = default;
+StepSolver& StepSolver::operator=(StepSolver&&) noexcept = default;
+
+void StepSolver::restart() {
+  impl_->is_restarted = true;
+}
+
+SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, bool begins_step,
+                              std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x,
+                              SolverReport& report) {
+  Impl& s = *impl_;
+  if (s.is_restarted) {
+    s.prepare(system);
+  } else if (begins_step && s.kind == SolverKind::kFactor && !s.factor) {
+    // Begun and taken over at fixed steps, so that a machine's speed does not tell which step has it.
+    ++s.steps_since_restart;
+    if (s.steps_since_restart == (s.config.refresh_after_steps + 1) / 2) {
+      s.next_factor = std::async(std::launch::async, [rows = system.pattern(), matrix = s.rest_matrix,
+                                                      fixed = s.fixed] { return makeFactor(rows, matrix, fixed); });
+    }
+    if (s.steps_since_restart >= s.config.refresh_after_steps && s.next_factor.valid()) {
+      MadeFactor made = s.next_factor.get();
+      if (made.status == SolveStatus::kSolved) s.factor.emplace(std::move(made.factor));
+    }
+  }
+  report.reason = s.reason;
+  SolveResult result;
+  if (s.kind != SolverKind::kDirect) {
+    const double finest = s.config.error_target ? *s.config.error_target : s.config.tolerance;
+    const bool single = s.config.precision == Precision::kSingle ||
+                        (s.config.precision == Precision::kAuto && finest >= kSingleTolerance);
+    if (single) {
+      if (s.iterate(system, s.single, b, true, step_start, x, report, result)) return result;
+      ++report.fallbacks;
+    }
+    if (result.status != SolveStatus::kNotFinite) {
+      if (s.iterate(system, s.twofold, b, true, step_start, x, report, result)) return result;
+      ++report.fallbacks;
+    }
+    report.reason = "conjugate gradients failed";
+  }
+  report.kind = SolverKind::kDirect;
+  report.is_single = false;
+  report.estimated_error = 0;
+  return s.solveDirectly(system, b, x);
+}
+
+}  // namespace polyscalpel
