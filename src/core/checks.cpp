@@ -21,6 +21,12 @@ void requireInRange(const std::string& name, double value, double lowest, double
   throw std::invalid_argument(message.str());
 }
 
+void requireIntInRange(const std::string& name, int value, int lowest, int highest) {
+  if (value >= lowest && value <= highest) return;
+  throw std::invalid_argument(name + " = " + std::to_string(value) + ": must be in [" +
+                              std::to_string(lowest) + ", " + std::to_string(highest) + "]");
+}
+
 void requirePositive(const std::string& name, double value) {
   if (std::isfinite(value) && value > 0) return;
   std::ostringstream message;

@@ -114,6 +114,30 @@ void readIntegration(YamlMap map, IntegrationConfig& config) {
   map.number("equilibrium_tolerance", config.equilibrium_tolerance, {1e-12, 0.1});
   map.integer("equilibrium_iterations", config.equilibrium_iterations, {1, 1000});
   map.number("mass_floor", config.mass_floor, kRatio);
+  map.number("sleep_speed_m_s", config.sleep_speed_m_s, kNotNegative);
+  map.number("sleep_after_s", config.sleep_after_s, {0, 1e6});
+  map.finish();
+}
+
+void readSolver(YamlMap map, Strain strain, SolverConfig& config) {
+  readWord(map, "kind", config.kind,
+           {{"auto", SolverKind::kAuto},
+            {"direct", SolverKind::kDirect},
+            {"jacobi", SolverKind::kJacobi},
+            {"factor", SolverKind::kFactor},
+            {"aggregates", SolverKind::kAggregates}});
+  const bool is_for_every_strain = config.kind == SolverKind::kAuto || config.kind == SolverKind::kDirect;
+  if (!is_for_every_strain && strain != Strain::kCorotated)
+    map.refuse("kind", "must be auto or direct unless element.strain is corotated");
+  map.number("tolerance", config.tolerance, {1e-12, 0.1});
+  map.optionalNumber("error_target", config.error_target, {1e-10, 0.1});
+  map.integer("max_iterations", config.max_iterations, {1, 1e5});
+  map.integer("projection", config.projection, {0, 20});
+  readWord(map, "precision", config.precision,
+           {{"auto", Precision::kAuto}, {"single", Precision::kSingle}, {"double", Precision::kDouble}});
+  map.integer("threads", config.threads, {1, 256});
+  map.optionalNumber("step_budget_ms", config.step_budget_ms, {0, 1e6, true, false});
+  map.integer("refresh_after_steps", config.refresh_after_steps, {1, 1e6});
   map.finish();
 }
 
@@ -171,6 +195,7 @@ void readColouring(YamlMap& map, bool has_stress, NodeConfig& config) {
 void readNode(YamlMap map, bool has_stress, NodeConfig& config) {
   readWord(map, "clock", config.clock,
            {{"realtime", ClockMode::kRealtime}, {"lockstep", ClockMode::kLockstep}});
+  map.boolean("budget_in_lockstep", config.budget_in_lockstep);
   map.text("world_frame", config.world_frame, "a tf frame");
   map.text("tissue_frame", config.tissue_frame, "a tf frame");
   for (const auto& [key, frame] : {std::pair<std::string, std::string>("world_frame", config.world_frame),
@@ -225,6 +250,7 @@ SceneParameters readScene(YamlMap& scene, const std::vector<std::string>& mesh_f
   simulation.regions = readRegions(scene, simulation);
   for (YamlMap& fixed : scene.maps("fixed")) simulation.fixed.push_back(readFixedRegion(fixed));
   if (scene.has("integration")) readIntegration(scene.map("integration"), simulation.integration);
+  if (scene.has("solver")) readSolver(scene.map("solver"), simulation.element.strain, simulation.solver);
   if (scene.has("cutting")) simulation.cutting = readCutting(scene.map("cutting"));
   if (scene.has("fracture")) simulation.fracture = readFracture(scene.map("fracture"));
   if (scene.has("contact")) simulation.contact = readContact(scene.map("contact"));
@@ -250,6 +276,17 @@ SceneParameters loadScene(const std::string& file, const std::vector<std::string
   folders.insert(folders.end(), mesh_folders.begin(), mesh_folders.end());
   YamlMap scene = YamlMap::load(file);
   return readScene(scene, folders);
+}
+
+bool leavesOutBudget(const SceneParameters& parameters) {
+  return parameters.simulation.solver.step_budget_ms && parameters.node.clock == ClockMode::kLockstep &&
+         !parameters.node.budget_in_lockstep;
+}
+
+SimulationConfig makeSimulationConfig(const SceneParameters& parameters) {
+  SimulationConfig config = parameters.simulation;
+  if (leavesOutBudget(parameters)) config.solver.step_budget_ms.reset();
+  return config;
 }
 
 std::string textParameter(const ros::NodeHandle& private_node_handle, const std::string& name,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <thread>
 
 #include <geometry_msgs/WrenchStamped.h>
 #include <ros/callback_queue.h>
@@ -19,11 +20,22 @@ constexpr double kIdleWait_s = 0.05;
 constexpr double kClockPoll_s = 0.001;
 constexpr double kDiagnosticsPeriod_s = 1;
 constexpr std::uint32_t kMostSteps = 100000;
-/// Name of the one linear solver of the simulation.
-const char* const kSolverName = "CHOLMOD";
 
 double steadyNow_s() {
   return ros::SteadyTime::now().toSec();
+}
+
+void warnOfSolver(const SceneParameters& parameters) {
+  const SolverConfig& solver = parameters.simulation.solver;
+  if (leavesOutBudget(parameters))
+    ROS_WARN(
+        "solver.step_budget_ms = %g is left out in lockstep, so that a bag replays to the same bits; "
+        "node.budget_in_lockstep keeps it",
+        *solver.step_budget_ms);
+  const unsigned int num_cores = std::thread::hardware_concurrency();  // 0: not known
+  if (num_cores > 0 && static_cast<unsigned int>(solver.threads) > num_cores)
+    ROS_WARN("solver.threads = %d: this machine has %u cores; more threads than cores are no faster",
+             solver.threads, num_cores);
 }
 
 }  // namespace
@@ -31,7 +43,7 @@ double steadyNow_s() {
 SimulationNode::SimulationNode(const SceneParameters& parameters, const ros::NodeHandle& node_handle)
     : parameters_(parameters),
       node_handle_(node_handle),
-      simulation_(parameters.simulation),
+      simulation_(makeSimulationConfig(parameters)),
       stamp_clock_(static_cast<int>(parameters.tools.size()), parameters.node.clock_jump_s,
                    parameters.node.longest_gap_s),
       transforms_(parameters.node.world_frame, parameters.node.clock_jump_s),
@@ -50,6 +62,8 @@ SimulationNode::SimulationNode(const SceneParameters& parameters, const ros::Nod
   for (std::size_t i = 0; i < trackers_.size(); ++i)
     status_.tools[i].name = parameters_.simulation.tools[i].name;
   status_.converged = true;
+  status_.budget_left_out = leavesOutBudget(parameters_);
+  warnOfSolver(parameters_);
   for (const std::string& remark : simulation_.remarks()) ROS_INFO("mesh: %s", remark.c_str());
   cut_event_publisher_.noteFaces(simulation_.mesh());
   advertise();
@@ -135,6 +149,7 @@ bool SimulationNode::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Res
       tool.name = name;
     }
     report_ = StepReport();
+    clearStepCounts(status_);
     T_world_tool_.assign(trackers_.size(), std::nullopt);
     stamp_ = ros::Time();
     broadcast_stamp_ = ros::Time();
@@ -342,6 +357,7 @@ void SimulationNode::step(const ToolPoses& T_world_tool, const ros::Time& stamp)
   stamp_ = stamp;
   T_world_tool_ = T_world_tool;
   report_ = report;
+  countStep(status_, report);
   rate_meter_.add(steadyNow_s());
   for (std::size_t i = 0; i < report.tools.size(); ++i) {
     ToolStatus& tool = status_.tools[i];
@@ -408,7 +424,6 @@ void SimulationNode::publishStatus() {
   status_.paused = is_paused_;
   status_.lag_s = is_realtime ? lag_s_ : lockstep_clock_.lead_s(stamp_clock_);
   status_.steps_per_second = rate_meter_.rate_hz(steadyNow_s());
-  status_.solver = kSolverName;
   fillStep(status_, report_);
   fillStress(status_, simulation_.stressField());
   body_counter_.fill(status_, simulation_);

@@ -39,7 +39,7 @@ std::uint64_t refusedPoses(const ToolStatus& tool) {
   return tool.poses_not_finite + tool.poses_bad_quaternion + tool.poses_bad_stamp + tool.poses_no_transform;
 }
 
-DiagnosticStatus diagnoseSimulation(const StepStatus& status) {
+DiagnosticStatus diagnoseSimulation(const StepStatus& status, const StepStatus& previous) {
   DiagnosticStatus entry;
   entry.name = "polyscalpel: simulation";
   entry.hardware_id = "polyscalpel";
@@ -51,6 +51,18 @@ DiagnosticStatus diagnoseSimulation(const StepStatus& status) {
     entry.level = DiagnosticStatus::WARN;
     entry.message = "simulated time has fallen behind";
   }
+  if (status.steps_ended_by_budget > previous.steps_ended_by_budget) {
+    entry.level = DiagnosticStatus::WARN;
+    entry.message = "the budget ended steps before the solver's tolerance";
+  }
+  if (status.steps_with_fallbacks > previous.steps_with_fallbacks) {
+    entry.level = DiagnosticStatus::WARN;
+    entry.message = "a solver failed and another took over";
+  }
+  if (status.steps_halved > previous.steps_halved) {
+    entry.level = DiagnosticStatus::WARN;
+    entry.message = "steps failed as a whole and were made of shorter ones";
+  }
   if (!status.converged) {
     entry.level = DiagnosticStatus::ERROR;
     entry.message = "the last step failed: " + status.message;
@@ -59,9 +71,18 @@ DiagnosticStatus diagnoseSimulation(const StepStatus& status) {
   addValue(entry, "time_s", status.time_s);
   addValue(entry, "lag_s", status.lag_s);
   addValue(entry, "steps_per_second", status.steps_per_second);
+  addValue(entry, "solver", status.solver);
+  addValue(entry, "solver_reason", status.solver_reason);
+  addValue(entry, "solver_iterations", status.solver_iterations);
+  addValue(entry, "solver_error", status.solver_error);
   addValue(entry, "relative_residual", status.relative_residual);
+  addValue(entry, "budget_left_out", status.budget_left_out ? "true" : "false");
+  addValue(entry, "steps_ended_by_budget", static_cast<double>(status.steps_ended_by_budget));
+  addValue(entry, "steps_with_fallbacks", static_cast<double>(status.steps_with_fallbacks));
+  addValue(entry, "steps_halved", static_cast<double>(status.steps_halved));
   addValue(entry, "cells", status.cells);
   addValue(entry, "pieces", status.pieces);
+  addValue(entry, "sleeping_pieces", status.sleeping_pieces);
   addValue(entry, "cuts", status.cuts);
   addValue(entry, "cells_left_whole", status.cells_left_whole);
   addValue(entry, "fracture_splits", status.fracture_splits);
@@ -157,9 +178,31 @@ void fillStep(StepStatus& status, const StepReport& report) {
   status.converged = report.converged;
   status.message = report.message;
   status.relative_residual = report.relative_residual;
+  const bool has_solved = report.solves > 0 || !report.converged;
+  status.solver = has_solved ? toString(report.solver.kind) : "";
+  status.solver_reason = report.solver.reason;
+  status.solver_single = report.solver.is_single;
+  status.solver_iterations = report.solver.iterations;
+  status.solver_error = report.solver.estimated_error;
+  status.solver_fallbacks = report.solver.fallbacks;
+  status.budget_ended = report.solver.budget_ended;
+  status.half_steps = report.half_steps;
+  status.sleeping_pieces = report.sleeping_pieces;
   status.solves = report.solves;
   status.newton_iterations = report.iterations;
   status.contacts = static_cast<int>(report.contacts.size());
+}
+
+void countStep(StepStatus& status, const StepReport& report) {
+  if (report.solver.budget_ended) ++status.steps_ended_by_budget;
+  if (report.solver.fallbacks > 0) ++status.steps_with_fallbacks;
+  if (report.half_steps > 0) ++status.steps_halved;
+}
+
+void clearStepCounts(StepStatus& status) {
+  status.steps_ended_by_budget = 0;
+  status.steps_with_fallbacks = 0;
+  status.steps_halved = 0;
 }
 
 void fillStress(StepStatus& status, const StressField* field) {
@@ -190,11 +233,12 @@ double RateMeter::rate_hz(double wall_s) {
 diagnostic_msgs::DiagnosticArray makeDiagnostics(const StepStatus& status, const StepStatus& previous) {
   diagnostic_msgs::DiagnosticArray array;
   array.header.stamp = status.header.stamp;
-  array.status.push_back(diagnoseSimulation(status));
+  // Counters start anew with a reset.
+  const bool is_newer = previous.step <= status.step;
+  array.status.push_back(diagnoseSimulation(status, is_newer ? previous : StepStatus()));
   for (std::size_t i = 0; i < status.tools.size(); ++i) {
-    // Counters start anew with a reset.
-    const bool is_newer = i < previous.tools.size() && previous.step <= status.step;
-    array.status.push_back(diagnoseTool(status.tools[i], is_newer ? previous.tools[i] : ToolStatus()));
+    const bool has_previous = is_newer && i < previous.tools.size();
+    array.status.push_back(diagnoseTool(status.tools[i], has_previous ? previous.tools[i] : ToolStatus()));
   }
   return array;
 }

@@ -184,6 +184,12 @@ void YamlMap::integer(const std::string& key, int& value, const Range& range) {
   if (node.IsDefined()) value = static_cast<int>(toNumber(key, node, range, true));
 }
 
+void YamlMap::optionalNumber(const std::string& key, std::optional<double>& value, const Range& range) {
+  record(key, kNoDefault, range.text());
+  const YAML::Node node = find(key);
+  if (node.IsDefined()) value = toNumber(key, node, range, false);
+}
+
 void YamlMap::optionalInteger(const std::string& key, std::optional<int>& value, const Range& range) {
   record(key, kNoDefault, range.text());
   const YAML::Node node = find(key);

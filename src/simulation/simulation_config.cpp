@@ -27,12 +27,6 @@ void requirePositiveEach(const std::string& name, const Eigen::Vector3d& value) 
   for (int i = 0; i < 3; ++i) requirePositive(name + "[" + std::to_string(i) + "]", value[i]);
 }
 
-void requireIntInRange(const std::string& name, int value, int lowest, int highest) {
-  if (value >= lowest && value <= highest) return;
-  throw std::invalid_argument(name + " = " + std::to_string(value) + ": must be in [" +
-                              std::to_string(lowest) + ", " + std::to_string(highest) + "]");
-}
-
 struct MeshValidator {
   void operator()(const BoxMeshConfig& box) const {
     requireFinite("mesh.lowest_m", box.lowest_m);
@@ -119,6 +113,18 @@ void validateIntegration(const IntegrationConfig& config) {
   requireInRange("integration.equilibrium_tolerance", config.equilibrium_tolerance, 1e-12, 0.1);
   requireIntInRange("integration.equilibrium_iterations", config.equilibrium_iterations, 1, 1000);
   requireInRange("integration.mass_floor", config.mass_floor, 0, 1);
+  requireInRange("integration.sleep_speed_m_s", config.sleep_speed_m_s, 0, kInfinity);
+  requireInRange("integration.sleep_after_s", config.sleep_after_s, 0, 1e6);
+}
+
+// Conjugate gradients need the matrix of corotated cells (SolverKind).
+void validateSolver(const SimulationConfig& config) {
+  validate(config.solver);
+  const SolverKind kind = config.solver.kind;
+  const bool is_for_every_strain = kind == SolverKind::kAuto || kind == SolverKind::kDirect;
+  if (is_for_every_strain || config.element.strain == Strain::kCorotated) return;
+  throw std::invalid_argument(std::string("solver.kind = ") + toString(kind) +
+                              ": must be auto or direct unless element.strain is corotated");
 }
 
 // A name that can be a part of a ROS topic: a letter, then letters, digits and _.
@@ -194,6 +200,7 @@ void validate(const SimulationConfig& config) {
     std::visit(FixedRegionValidator{"fixed[" + std::to_string(i) + "]"}, config.fixed[i]);
   }
   validateIntegration(config.integration);
+  validateSolver(config);
   if (config.cutting) validateAt("cutting", *config.cutting);
   validateFracture(config);
   if (config.contact) validateAt("contact", *config.contact);

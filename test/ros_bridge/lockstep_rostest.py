@@ -74,6 +74,8 @@ class LockstepTest(unittest.TestCase):
         self.assertEqual((status.step, status.pieces, status.clock), (100, 2, 'lockstep'))
         self.assertEqual([s.step for s in self.listener.status[-100:]], list(range(1, 101)))
         self.assertTrue(all(s.converged for s in self.listener.status))
+        self.assertIn(status.solver, ('direct', 'jacobi', 'factor', 'aggregates'))
+        self.assertEqual((status.budget_ended, status.budget_left_out, status.half_steps), (False, False, 0))
         self.assertLess(status.volume_relative_error, 1e-9)
         self.assertTrue(self.listener.cuts)
         for event in self.listener.cuts:

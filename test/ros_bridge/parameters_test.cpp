@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <regex>
 #include <set>
 #include <tuple>
@@ -52,7 +53,7 @@ TEST(Parameters, ReferenceSceneTellsEveryFieldWithItsDefaultAndRange) {
   // Every reader once; files that exist stand for meshes, which are not opened here.
   std::vector<FieldRecord> fields;
   read(kCutting +
-           "material: {}\nelement: {}\nintegration: {}\nstress: {}\nnode: {}\n"
+           "material: {}\nelement: {}\nintegration: {}\nsolver: {}\nstress: {}\nnode: {}\n"
            "regions: [{name: a, box: {lowest_m: [0, 0, 0], highest_m: [0, 0, 0]}, material: {}}]\n"
            "fixed: [{box: {lowest_m: [0, 0, 0], highest_m: [0, 0, 0]}}, {sphere: {radius_m: 1}}, {vertices: "
            "[0]}]\n"
@@ -83,7 +84,7 @@ TEST(Parameters, ReferenceSceneTellsEveryFieldWithItsDefaultAndRange) {
 
 TEST(Parameters, EmptySectionsAreTheDefaultsOfTheStructs) {
   const SceneParameters read_parameters =
-      read(kCutting + "material: {}\nelement: {}\nintegration: {}\nnode: {}\n");
+      read(kCutting + "material: {}\nelement: {}\nintegration: {}\nsolver: {}\nnode: {}\n");
   const SimulationConfig defaults;
   EXPECT_EQ(read_parameters.simulation.material.youngs_modulus_pa, defaults.material.youngs_modulus_pa);
   EXPECT_EQ(read_parameters.simulation.element.quadrature_points, defaults.element.quadrature_points);
@@ -98,9 +99,21 @@ TEST(Parameters, EmptySectionsAreTheDefaultsOfTheStructs) {
   EXPECT_EQ(read_parameters.simulation.integration.time_step_s, defaults.integration.time_step_s);
   EXPECT_EQ(read_parameters.simulation.integration.mode, defaults.integration.mode);
   EXPECT_EQ(read_parameters.simulation.integration.gravity_m_s2, defaults.integration.gravity_m_s2);
+  EXPECT_EQ(read_parameters.simulation.integration.sleep_speed_m_s, defaults.integration.sleep_speed_m_s);
+  EXPECT_EQ(read_parameters.simulation.integration.sleep_after_s, defaults.integration.sleep_after_s);
+  EXPECT_EQ(read_parameters.simulation.solver.kind, defaults.solver.kind);
+  EXPECT_EQ(read_parameters.simulation.solver.tolerance, defaults.solver.tolerance);
+  EXPECT_EQ(read_parameters.simulation.solver.error_target, defaults.solver.error_target);
+  EXPECT_EQ(read_parameters.simulation.solver.max_iterations, defaults.solver.max_iterations);
+  EXPECT_EQ(read_parameters.simulation.solver.projection, defaults.solver.projection);
+  EXPECT_EQ(read_parameters.simulation.solver.precision, defaults.solver.precision);
+  EXPECT_EQ(read_parameters.simulation.solver.threads, defaults.solver.threads);
+  EXPECT_EQ(read_parameters.simulation.solver.step_budget_ms, defaults.solver.step_budget_ms);
+  EXPECT_EQ(read_parameters.simulation.solver.refresh_after_steps, defaults.solver.refresh_after_steps);
   EXPECT_EQ(read_parameters.simulation.cutting->hold_back, CuttingConfig().hold_back);
   EXPECT_EQ(read_parameters.simulation.contact->stiffness_pa_m, ContactConfig().stiffness_pa_m);
   EXPECT_EQ(read_parameters.node.clock, NodeConfig().clock);
+  EXPECT_EQ(read_parameters.node.budget_in_lockstep, NodeConfig().budget_in_lockstep);
   EXPECT_EQ(read_parameters.node.tool_timeout_s, NodeConfig().tool_timeout_s);
   EXPECT_FALSE(read(kSmallest).simulation.cutting.has_value());
   EXPECT_FALSE(read(kSmallest).simulation.contact.has_value());
@@ -153,6 +166,7 @@ TEST(Parameters, RefusesWhatIsOutOfRange) {
   const std::vector<Bound> bounds = {
       {"integration: {time_step_s: $}", "1e-6", "9e-7"},
       {"integration: {time_step_s: $}", "1", "1.0001"},
+      {"integration: {time_step_s: $}", "0.01", "0"},
       {"integration: {mass_damping_per_s: $}", "0", "-1e-9"},
       {"integration: {contact_iterations: $}", "20", "21"},
       {"integration: {contact_iterations: $}", "1", "0"},
@@ -162,6 +176,30 @@ TEST(Parameters, RefusesWhatIsOutOfRange) {
       {"integration: {equilibrium_iterations: $}", "1", "0"},
       {"integration: {equilibrium_iterations: $}", "1000", "1001"},
       {"integration: {mode: $}", "dynamic", "quasistatic"},
+      {"integration: {sleep_speed_m_s: $}", "0", "-1e-9"},
+      {"integration: {sleep_after_s: $}", "0", "-1e-9"},
+      {"integration: {sleep_after_s: $}", "1000000", "1000000.1"},
+      {"solver: {kind: $}", "aggregates", "CHOLMOD"},
+      {"solver: {kind: $}", "direct", ""},
+      {"solver: {tolerance: $}", "1e-12", "0.99e-12"},
+      {"solver: {tolerance: $}", "0.1", "0.1001"},
+      {"solver: {tolerance: $}", "1e-4", "0"},
+      {"solver: {tolerance: $}", "1e-4", "-1e-4"},
+      {"solver: {error_target: $}", "1e-10", "0.99e-10"},
+      {"solver: {error_target: $}", "0.1", "0.1001"},
+      {"solver: {max_iterations: $}", "1", "0"},
+      {"solver: {max_iterations: $}", "100000", "100001"},
+      {"solver: {projection: $}", "0", "-1"},
+      {"solver: {projection: $}", "20", "21"},
+      {"solver: {precision: $}", "single", "half"},
+      {"solver: {threads: $}", "1", "0"},
+      {"solver: {threads: $}", "256", "257"},
+      {"solver: {threads: $}", "2", "1.5"},
+      {"solver: {step_budget_ms: $}", "1e-3", "0"},
+      {"solver: {step_budget_ms: $}", "1000000", "1000000.1"},
+      {"solver: {step_budget_ms: $}", "5", "-5"},
+      {"solver: {refresh_after_steps: $}", "1", "0"},
+      {"solver: {refresh_after_steps: $}", "1000000", "1000001"},
       {"stress: {interval_steps: $}", "1", "0"},
       {"stress: {interval_steps: $}", "1000000", "1000001"},
       {"stress: {interval_steps: $}", "2", "1.5"},
@@ -203,6 +241,7 @@ TEST(Parameters, RefusesWhatIsOutOfRange) {
       {"cutting: {close_front_after_s: $}", "0", "-0.1"},
       {"contact: {friction_coefficient: $}", "10", "10.1"},
       {"contact: {margin_m: $}", "1e-4", "0"},
+      {"node: {budget_in_lockstep: $}", "true", "1"},
       {"node: {tool_timeout_s: $}", "3600", "3601"},
       {"node: {tool_timeout_s: $}", "0.01", "0"},
       {"node: {mesh_rate_hz: $}", "1000", "1001"},
@@ -285,6 +324,74 @@ TEST(Parameters, ReadsTheModeOfAnalysis) {
   for (const std::string word : {"static", "quasi_static"})
     expectRefused([&] { read(kSmallest + "integration: {mode: " + word + "}\n"); },
                   {"scene.yaml", "fixed", "hold"});
+}
+
+TEST(Parameters, ReadsHowStepsAreSolved) {
+  const auto solver = [](const std::string& fields) {
+    return read(kSmallest + "solver: {" + fields + "}\n").simulation.solver;
+  };
+  EXPECT_EQ(solver("kind: auto").kind, SolverKind::kAuto);
+  EXPECT_EQ(solver("kind: direct").kind, SolverKind::kDirect);
+  EXPECT_EQ(solver("kind: jacobi").kind, SolverKind::kJacobi);
+  EXPECT_EQ(solver("kind: factor").kind, SolverKind::kFactor);
+  EXPECT_EQ(solver("kind: aggregates").kind, SolverKind::kAggregates);
+  EXPECT_EQ(solver("precision: auto").precision, Precision::kAuto);
+  EXPECT_EQ(solver("precision: single").precision, Precision::kSingle);
+  EXPECT_EQ(solver("precision: double").precision, Precision::kDouble);
+  const SolverConfig all = solver(
+      "tolerance: 1e-8, error_target: 1e-3, max_iterations: 7, projection: 4, threads: 3, "
+      "step_budget_ms: 2.5, refresh_after_steps: 11");
+  EXPECT_EQ(all.tolerance, 1e-8);
+  EXPECT_EQ(all.error_target, 1e-3);
+  EXPECT_EQ(all.max_iterations, 7);
+  EXPECT_EQ(all.projection, 4);
+  EXPECT_EQ(all.threads, 3);
+  EXPECT_EQ(all.step_budget_ms, 2.5);
+  EXPECT_EQ(all.refresh_after_steps, 11);
+  EXPECT_EQ(read(kSmallest + "integration: {sleep_speed_m_s: 1e-3, sleep_after_s: 2}\n")
+                .simulation.integration.sleep_after_s,
+            2);
+
+  expectRefused([&] { solver("kind: jakobi"); },
+                {"scene.yaml:2", "solver.kind = jakobi",
+                 "must be one of auto, direct, jacobi, factor, aggregates", "did you mean jacobi?"});
+  expectRefused([&] { solver("precision: float"); },
+                {"scene.yaml:2", "solver.precision = float", "must be one of auto, single, double"});
+  expectRefused([&] { solver("tolerance: .nan"); },
+                {"scene.yaml:2", "solver.tolerance = .nan", "[1e-12, 0.1]"});
+  expectRefused([&] { solver("step_budget_ms: 0"); },
+                {"scene.yaml:2", "solver.step_budget_ms = 0", "(0, 1000000]"});
+  expectRefused([&] { solver("threads: 0"); }, {"scene.yaml:2", "solver.threads = 0", "[1, 256]"});
+  expectRefused([&] { solver("step_budget: 5"); },
+                {"scene.yaml:2", "solver.step_budget", "unknown key", "did you mean step_budget_ms?"});
+  expectRefused([] { read(kSmallest + "solver: direct\n"); }, {"scene.yaml:2", "solver = direct", "map"});
+  for (const std::string strain : {"linear", "green"}) {
+    const std::string element = kSmallest + "element: {strain: " + strain + "}\n";
+    EXPECT_NO_THROW(read(element + "solver: {kind: auto}\n"));
+    EXPECT_NO_THROW(read(element + "solver: {kind: direct}\n"));
+    for (const std::string kind : {"jacobi", "factor", "aggregates"})
+      expectRefused([&] { read(element + "solver: {kind: " + kind + "}\n"); },
+                    {"scene.yaml:3", "solver.kind = " + kind, "element.strain is corotated"});
+  }
+}
+
+TEST(Parameters, LockstepLeavesOutABudgetUnlessAsked) {
+  const std::string budget = kSmallest + "solver: {kind: jacobi, step_budget_ms: 5}\n";
+  const auto check = [](const std::string& scene, bool is_left_out, const std::optional<double>& kept_ms) {
+    SCOPED_TRACE(scene);
+    const SceneParameters parameters = read(scene);
+    EXPECT_EQ(leavesOutBudget(parameters), is_left_out);
+    const SimulationConfig config = makeSimulationConfig(parameters);
+    EXPECT_EQ(config.solver.step_budget_ms, kept_ms);
+    EXPECT_EQ(config.solver.kind, parameters.simulation.solver.kind) << "nothing else changes";
+  };
+  check(budget, false, 5);
+  check(budget + "node: {clock: realtime}\n", false, 5);
+  check(budget + "node: {clock: realtime, budget_in_lockstep: true}\n", false, 5);
+  check(budget + "node: {clock: lockstep}\n", true, std::nullopt);
+  check(budget + "node: {clock: lockstep, budget_in_lockstep: false}\n", true, std::nullopt);
+  check(budget + "node: {clock: lockstep, budget_in_lockstep: true}\n", false, 5);
+  check(kSmallest + "node: {clock: lockstep}\n", false, std::nullopt);
 }
 
 TEST(Parameters, ReadsRegions) {

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the nodes refuse at start-up: one clear line and an exit code; and a path that is played as it is written."""
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -13,7 +14,7 @@ import rostest
 from geometry_msgs.msg import PoseStamped
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from bridge_testing import PATIENCE_S, wait_until  # noqa: E402
+from bridge_testing import PATIENCE_S, Listener, wait_until  # noqa: E402
 
 BLOCK = 'mesh: {box: {}}\n'
 
@@ -49,6 +50,12 @@ class StartUpTest(unittest.TestCase):
                 (BLOCK + 'integration: {time_step_s: 2}\n', [':2', 'integration.time_step_s = 2', '[1e-06, 1]']),
                 (BLOCK + 'integration: {time_step_s: .nan}\n', [':2', '.nan', '[1e-06, 1]']),
                 (BLOCK + 'integration: {time_step_s: soon}\n', [':2', 'soon', 'number']),
+                (BLOCK + 'integration: {time_step_s: 0}\n', [':2', 'integration.time_step_s = 0', '[1e-06, 1]']),
+                (BLOCK + 'solver: {kind: CHOLMOD}\n', [':2', 'solver.kind = CHOLMOD', 'auto, direct, jacobi, factor, aggregates']),
+                (BLOCK + 'solver: {tolerance: 0}\n', [':2', 'solver.tolerance = 0', '[1e-12, 0.1]']),
+                (BLOCK + 'solver: {tolerance: .nan}\n', [':2', 'solver.tolerance = .nan', '[1e-12, 0.1]']),
+                (BLOCK + 'solver: {step_budget_ms: 0}\n', [':2', 'solver.step_budget_ms = 0', '(0, 1000000]']),
+                (BLOCK + 'element: {strain: green}\nsolver: {kind: factor}\n', [':3', 'solver.kind = factor', 'corotated']),
                 (BLOCK + 'node: {clock: slow}\n', ['realtime, lockstep']),
                 (BLOCK + 'tools: [{name: a}, {name: a}]\n', ['a']),
                 ('mesh: {file: {path: no_such_mesh.msh}}\n', [':1', 'mesh.file.path', 'no_such_mesh.msh', 'tried']),
@@ -56,6 +63,42 @@ class StartUpTest(unittest.TestCase):
         ]:
             with self.subTest(text=text):
                 self.refuse('polyscalpel_node', '_scene:=', text, *words)
+
+    def say(self, name, text):
+        """What a node says of a scene that it takes: its status, the values of its diagnostics, its output."""
+        executable = roslib.packages.find_node('polyscalpel', 'polyscalpel_node')[0]
+        with tempfile.NamedTemporaryFile('w', suffix='.yaml') as file:
+            file.write(text)
+            file.flush()
+            node = subprocess.Popen([executable, '__ns:=/' + name, '__name:=' + name, '_scene:=' + file.name],
+                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
+            try:
+                listener = Listener(namespace='/' + name + '/')
+                wait_until(lambda: listener.diagnostics, 'diagnostics')
+                for subscriber in listener.subscribers:
+                    subscriber.unregister()
+            finally:
+                node.send_signal(signal.SIGINT)
+                output = node.communicate(timeout=PATIENCE_S)[0]
+        values = {value.key: value.value for value in listener.diagnostics[-1].status[0].values}
+        return listener.status[-1], values, output
+
+    def test_a_budget_is_left_out_in_lockstep_unless_asked(self):
+        scene = BLOCK + 'solver: {step_budget_ms: 5}\nnode: {clock: lockstep, budget_in_lockstep: %s}\n'
+        status, values, output = self.say('left_out', scene % 'false')
+        self.assertTrue(status.budget_left_out)
+        self.assertEqual(values['budget_left_out'], 'true')
+        self.assertIn('solver.step_budget_ms = 5 is left out', output)
+        status, values, output = self.say('kept', scene % 'true')
+        self.assertFalse(status.budget_left_out)
+        self.assertEqual(values['budget_left_out'], 'false')
+        self.assertNotIn('WARN', output)
+
+    def test_more_threads_than_cores_are_taken_and_told(self):
+        threads = min(os.cpu_count() + 1, 256)
+        _, _, output = self.say('threads', BLOCK + 'solver: {threads: %d}\nnode: {start_paused: true}\n' % threads)
+        if os.cpu_count() < threads:
+            self.assertIn('solver.threads = %d: this machine has' % threads, output)
 
     def test_bad_mesh_files(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -44,20 +44,32 @@ TEST(YamlReader, ReadsWhatIsThereAndKeepsDefaults) {
 }
 
 TEST(YamlReader, FieldsWithoutADefaultStayAsTheyAre) {
-  YamlMap map = parse("a: 3\nb: left\n");
+  YamlMap map = parse("a: 3\nb: left\nc: 0.5\n");
   std::optional<int> a, no_a;
   std::optional<std::string> b, no_b;
+  std::optional<double> c, no_c;
   map.optionalInteger("a", a, {0, 10});
   map.optionalInteger("no_a", no_a, {0, 10});
   map.optionalChoice("b", b, {"left", "right"});
   map.optionalChoice("no_b", no_b, {"left", "right"});
+  map.optionalNumber("c", c, {0, 10, true, false});
+  map.optionalNumber("no_c", no_c, {0, 10, true, false});
   map.finish();
   EXPECT_EQ(a, 3);
   EXPECT_EQ(b, "left");
   EXPECT_FALSE(no_a.has_value());
   EXPECT_FALSE(no_b.has_value());
+  EXPECT_EQ(c, 0.5);
+  EXPECT_FALSE(no_c.has_value());
   for (const FieldRecord& field : map.document().fields) EXPECT_EQ(field.default_value, "none");
   EXPECT_EQ(map.document().fields[3].range, "{left, right}");
+  EXPECT_EQ(map.document().fields[5].range, "(0, 10]");
+  expectRefused(
+      [] {
+        std::optional<double> d;
+        parse("d: 0\n").optionalNumber("d", d, {0, 10, true, false});
+      },
+      {"scene.yaml:1", "d = 0", "(0, 10]"});
   expectRefused(
       [] {
         std::optional<int> c;

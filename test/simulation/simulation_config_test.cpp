@@ -130,6 +130,14 @@ TEST(SimulationConfig, HoldsEveryBoundOfItsNumbers) {
        [](SimulationConfig& c, double v) { c.integration.mass_floor = v; },
        {0, kTiny, 1, 1 - kTiny},
        {-kTiny, 1 + kTiny}},
+      {"integration.sleep_speed_m_s",
+       [](SimulationConfig& c, double v) { c.integration.sleep_speed_m_s = v; },
+       {0, kTiny, 1e6},
+       {-kTiny}},
+      {"integration.sleep_after_s",
+       [](SimulationConfig& c, double v) { c.integration.sleep_after_s = v; },
+       {0, kTiny, 1e6 - 1e-6, 1e6},
+       {-kTiny, 1e6 + 1e-6}},
       {"integration.equilibrium_tolerance",
        [](SimulationConfig& c, double v) { c.integration.equilibrium_tolerance = v; },
        {1e-12, 1.001e-12, 0.1, 0.1 - kTiny},
@@ -236,6 +244,11 @@ TEST(SimulationConfig, HoldsEveryBoundOfItsNumbers) {
        [](SimulationConfig& c, double v) { c.element.stabilisation_scale = v; },
        {2},
        {0}},
+      {"solver.tolerance", [](SimulationConfig& c, double v) { c.solver.tolerance = v; }, {1e-8}, {0, -1e-8}},
+      {"solver.step_budget_ms",
+       [](SimulationConfig& c, double v) { c.solver.step_budget_ms = v; },
+       {10},
+       {0}},
       {"material.strength_pa",
        [](SimulationConfig& c, double v) { c.material.strength_pa = v; },
        {kTiny, 1e9},
@@ -298,6 +311,28 @@ TEST(SimulationConfig, HoldsEveryBoundOfItsCounts) {
   for (const double value : {-1, 0, 21}) expectRefused("integration.contact_iterations", set_solves, value);
   for (const double value : {0, 1}) expectAccepted(set_vertex, value);
   expectRefused("fixed[2].vertices", set_vertex, -1);
+}
+
+TEST(SimulationConfig, ConjugateGradientsNeedCorotatedCells) {
+  for (const SolverKind kind : {SolverKind::kAuto, SolverKind::kDirect, SolverKind::kJacobi,
+                                SolverKind::kFactor, SolverKind::kAggregates}) {
+    for (const Strain strain : {Strain::kLinear, Strain::kCorotated, Strain::kGreen}) {
+      SimulationConfig config = fullScene();
+      config.solver.kind = kind;
+      config.element.strain = strain;
+      const bool fits =
+          strain == Strain::kCorotated || kind == SolverKind::kAuto || kind == SolverKind::kDirect;
+      std::string complaint;
+      try {
+        validate(config);
+      } catch (const std::invalid_argument& error) {
+        complaint = error.what();
+      }
+      EXPECT_EQ(complaint, fits ? ""
+                                : std::string("solver.kind = ") + toString(kind) +
+                                      ": must be auto or direct unless element.strain is corotated");
+    }
+  }
 }
 
 TEST(SimulationConfig, RefusesWhatDoesNotGoTogether) {

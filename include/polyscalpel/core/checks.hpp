@@ -14,6 +14,9 @@ namespace polyscalpel {
 /// inside.
 void requireInRange(const std::string& name, double value, double lowest, double highest);
 
+/// Throws std::invalid_argument "name = value: must be in [lowest, highest]" unless value is inside.
+void requireIntInRange(const std::string& name, int value, int lowest, int highest);
+
 /// Throws std::invalid_argument unless value is finite and > 0.
 void requirePositive(const std::string& name, double value);
 

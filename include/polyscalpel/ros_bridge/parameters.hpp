@@ -53,6 +53,8 @@ struct ToolInputConfig {
 /// The node beside the simulation.
 struct NodeConfig {
   ClockMode clock = ClockMode::kRealtime;
+  bool budget_in_lockstep = false;  ///< kLockstep: keep SolverConfig::step_budget_ms, at the price that a
+                                    ///< bag replays to the same bits no more
   std::string world_frame = "world";
   std::string tissue_frame =
       "tissue";  ///< published on tf as a fixed child of the world frame, identical with it
@@ -87,6 +89,13 @@ SceneParameters loadScene(const std::string& file, const std::vector<std::string
 
 /// The same from a document that is open already; document.fields then lists every field that was asked for.
 SceneParameters readScene(YamlMap& scene, const std::vector<std::string>& mesh_folders);
+
+/// Whether the clock of the node leaves out the solver's step_budget_ms: in lockstep, unless
+/// NodeConfig::budget_in_lockstep. With a budget the steps would depend on the machine's speed.
+bool leavesOutBudget(const SceneParameters& parameters);
+
+/// The simulation as the node runs it: the scene's, without a budget that its clock leaves out.
+SimulationConfig makeSimulationConfig(const SceneParameters& parameters);
 
 /// The scene that the private parameters of a node ask for: ~scene (path or package:// URI of a scene,
 /// required), ~mesh_path (folders separated by colons, default empty: for relative mesh paths) and ~clock

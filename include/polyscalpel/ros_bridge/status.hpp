@@ -32,6 +32,13 @@ class BodyCounter {
 /// Fills the stage times, the solution and the number of contacts.
 void fillStep(StepStatus& status, const StepReport& report);
 
+/// Counts the step among those that a budget ended, that needed another solver, or that were halved. To be
+/// called once a step.
+void countStep(StepStatus& status, const StepReport& report);
+
+/// Sets these counts to 0.
+void clearStepCounts(StepStatus& status);
+
 /// Fills what is told of the stress. field: nullptr where there is none.
 void fillStress(StepStatus& status, const StressField* field);
 

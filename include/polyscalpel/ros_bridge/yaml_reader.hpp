@@ -70,6 +70,7 @@ class YamlMap {
   /// One of several words.
   void choice(const std::string& key, std::string& value, const std::vector<std::string>& words);
   /// The same without a default: `value` stays as it is when the key is absent.
+  void optionalNumber(const std::string& key, std::optional<double>& value, const Range& range);
   void optionalInteger(const std::string& key, std::optional<int>& value, const Range& range);
   void optionalChoice(const std::string& key, std::optional<std::string>& value,
                       const std::vector<std::string>& words);

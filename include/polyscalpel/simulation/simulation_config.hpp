@@ -94,8 +94,8 @@ struct IntegrationConfig {
   /// In [0, 1]: lowest mass of a vertex that a cut makes or touches, as a part of the median rest mass; taken
   /// from its neighbours (see Assembly).
   double mass_floor = 0.02;
-  /// >= 0 [m/s]: a piece of which no vertex has been faster for sleep_after_s sleeps, and costs nothing, until
-  /// a tool touches it or it is cut. 0: none ever does. Dynamic scenes.
+  /// >= 0 [m/s]: a piece of which no vertex has been faster for sleep_after_s sleeps, and costs nothing,
+  /// until a tool touches it or it is cut. 0: none ever does. Dynamic scenes.
   double sleep_speed_m_s = 0;
   double sleep_after_s = 0.5;  ///< in [0, 1e6]
 };
@@ -132,7 +132,8 @@ struct SimulationConfig {
 
 /// Throws std::invalid_argument with the field's path, value and range; also for two tools of one name, a
 /// blade or fracture without cutting, fracture without a strength, two regions of one name, a static or
-/// quasi-static scene with nothing fixed, a static one with contact or tools.
+/// quasi-static scene with nothing fixed, a static one with contact or tools, conjugate gradients with
+/// another strain than corotated.
 void validate(const SimulationConfig& config);
 
 }  // namespace polyscalpel
