@@ -25,10 +25,10 @@ void multiply(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
       const Scalar* block = blocks + 9 * static_cast<std::ptrdiff_t>(row.first);
       for (int entry = row.first; entry < row.first + row.count; ++entry, block += 9) {
         const Quad<Scalar> d = loadQuad(x + 3 * columns[entry]) - x_i;
-        even += loadQuad(block) * d[0];
-        odd += loadQuad(block + 3) * d[1];
+        even += loadQuad(block) * spread<0>(d);
+        odd += loadQuad(block + 3) * spread<1>(d);
         // The block's last column ends with it: what follows may be another row's or the padding.
-        even += loadQuad(block + 6) * d[2];
+        even += loadQuad(block + 6) * spread<2>(d);
       }
       storeThree(y + 3 * i, Quad<Scalar>(even + odd));
     }

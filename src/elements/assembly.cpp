@@ -479,6 +479,17 @@ void Assembly::internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& position
   }
 }
 
+void Assembly::lineariseWithForces(const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+                                   const Eigen::Ref<const Eigen::Matrix3Xd>& ahead,
+                                   Eigen::Matrix3Xd& forces) {
+  if (body_) {
+    POLYSCALPEL_ASSERT(positions.cols() == numVertices() && ahead.cols() == numVertices());
+    return body_->lineariseWithForces(positions, ahead, kinds_.front().element.exact_force, forces);
+  }
+  linearise(positions);
+  internalForces(ahead, forces);
+}
+
 void Assembly::multiplyMass(const Eigen::Ref<const Eigen::Matrix3Xd>& values,
                             Eigen::Matrix3Xd& result) const {
   POLYSCALPEL_ASSERT(values.cols() == numVertices());

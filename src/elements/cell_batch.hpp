@@ -12,8 +12,8 @@ constexpr int kCellsAMean = 4;  ///< cells whose rotations make a vertex's
 /// cell has zeros everywhere.
 struct CellBatch {
   int num_vertices = 0;
-  int num_modes = 0;              ///< m = n - 4, or 0 where cells have no stabilising part
-  const int* vertices = nullptr;  ///< n
+  int num_modes = 0;                   ///< m = n - 4, or 0 where cells have no stabilising part
+  const int* vertices = nullptr;       ///< n
   const double* gradients = nullptr;   ///< Gm, 3 n [1/m]
   const double* volume = nullptr;      ///< [m^3]
   const double* lambda = nullptr;      ///< [Pa]

@@ -72,7 +72,8 @@ void CorotatedBody::addCell(const Cell& cell) {
   if (free_places_[kind].empty()) makeBatch(n, m);
   const int place = free_places_[kind].back();
   free_places_[kind].pop_back();
-  if (cell.id.index() >= static_cast<int>(place_of_cell_.size())) place_of_cell_.resize(cell.id.index() + 1, -1);
+  if (cell.id.index() >= static_cast<int>(place_of_cell_.size()))
+    place_of_cell_.resize(cell.id.index() + 1, -1);
   POLYSCALPEL_ASSERT(place_of_cell_[cell.id.index()] < 0);
   place_of_cell_[cell.id.index()] = place;
   Batch& batch = batches_[place / kBatchSize];
@@ -85,7 +86,8 @@ void CorotatedBody::addCell(const Cell& cell) {
   double* const numbers = &numbers_[batch.first_number + lane];
   const auto put = [&](int at, double value) { numbers[at] = value; };
   for (int i = 0; i < n; ++i) {
-    for (int c = 0; c < 3; ++c) put(layout.gradients + kBatchSize * (3 * i + c), cell.element->mean_gradient(c, i));
+    for (int c = 0; c < 3; ++c)
+      put(layout.gradients + kBatchSize * (3 * i + c), cell.element->mean_gradient(c, i));
     for (int k = 0; k < m; ++k) put(layout.modes + kBatchSize * (i * m + k), stabilisation.modes(i, k));
   }
   put(layout.volume, cell.element->volume);
@@ -95,10 +97,12 @@ void CorotatedBody::addCell(const Cell& cell) {
     for (int column = 0; column <= row; ++column, ++entry)
       put(layout.stiffness + kBatchSize * entry, stabilisation.stiffness(row, column));
   }
-  for (int k = 0; k < 3 * m; ++k) put(layout.rest_modes + kBatchSize * k, stabilisation.rest_modes(k % 3, k / 3));
+  for (int k = 0; k < 3 * m; ++k)
+    put(layout.rest_modes + kBatchSize * k, stabilisation.rest_modes(k % 3, k / 3));
   densities_[place] = cell.density_kg_m3;
   mass_integrals_[place] = cell.element->mass_integral;
-  for (int k = 0; k < 9; ++k) rotations_[36 * (place / kBatchSize) + kBatchSize * k + lane] = k % 4 == 0 ? 1 : 0;
+  for (int k = 0; k < 9; ++k)
+    rotations_[36 * (place / kBatchSize) + kBatchSize * k + lane] = k % 4 == 0 ? 1 : 0;
   for (int k = 0; k < 3; ++k) spins_[12 * (place / kBatchSize) + kBatchSize * k + lane] = 0;
 }
 
@@ -150,6 +154,7 @@ void CorotatedBody::update(int num_vertices, const std::vector<CellId>& removed,
   rotation_places_.resize(kCellsAMean * static_cast<std::size_t>(num_vertices), 0);
   rotation_weights_.resize(kCellsAMean * static_cast<std::size_t>(num_vertices), 0.0);
   updateCorners(added);
+  turned_float_.is_current = turned_double_.is_current = false;
   std::vector<int> touched;
   int num_touched_entries = 0;
   for (int i = 0; i < num_vertices; ++i) {
@@ -213,7 +218,8 @@ void CorotatedBody::updateCorners(const std::vector<Cell>& added) {
   together.clear();
   for (Span& span : corners_of_vertex_) {
     const int first = static_cast<int>(together.size());
-    together.insert(together.end(), corners_.begin() + span.first, corners_.begin() + span.first + span.count);
+    together.insert(together.end(), corners_.begin() + span.first,
+                    corners_.begin() + span.first + span.count);
     span.first = first;
   }
   corners_.swap(together);
@@ -349,15 +355,9 @@ void* roomFor(int num_modes) {
 CellBatch CorotatedBody::view(const Batch& batch) const {
   const Layout layout(batch.num_vertices, batch.num_modes);
   const double* const numbers = &numbers_[batch.first_number];
-  return {batch.num_vertices,
-          batch.num_modes,
-          &vertices_[batch.first_corner],
-          numbers + layout.gradients,
-          numbers + layout.volume,
-          numbers + layout.lambda,
-          numbers + layout.mu,
-          numbers + layout.modes,
-          numbers + layout.stiffness,
+  return {batch.num_vertices,         batch.num_modes,         &vertices_[batch.first_corner],
+          numbers + layout.gradients, numbers + layout.volume, numbers + layout.lambda,
+          numbers + layout.mu,        numbers + layout.modes,  numbers + layout.stiffness,
           numbers + layout.rest_modes};
 }
 
@@ -371,14 +371,32 @@ void CorotatedBody::forEachBatch(const Visit& visit) const {
 
 void CorotatedBody::linearise(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, bool exact_force) {
   const CorotatedKernels& kernels = corotatedKernels();
+  turned_float_.is_current = turned_double_.is_current = false;
   forEachBatch([&](int b, const CellBatch& batch, void* room) {
     kernels.linearise(batch, positions.data(), exact_force, room, &rotations_[36 * b], &spins_[12 * b]);
   });
 }
 
+void CorotatedBody::lineariseWithForces(const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+                                        const Eigen::Ref<const Eigen::Matrix3Xd>& ahead, bool exact_force,
+                                        Eigen::Matrix3Xd& forces) {
+  const CorotatedKernels& kernels = corotatedKernels();
+  turned_double_.is_current = false;
+  resizeTurned(turned_float_);
+  forEachBatch([&](int b, const CellBatch& batch, void* room) {
+    kernels.linearise(batch, positions.data(), exact_force, room, &rotations_[36 * b], &spins_[12 * b]);
+    kernels.forces(batch, ahead.data(), &rotations_[36 * b], &spins_[12 * b], room,
+                   &corner_forces_[4 * static_cast<std::size_t>(batches_[b].first_corner)]);
+    makeTurned(b, batch, room, turned_float_);
+  });
+  turned_float_.is_current = true;
+  gatherForces(forces);
+}
+
 void CorotatedBody::lineariseAtRest() {
   for (std::size_t k = 0; k < rotations_.size(); ++k) rotations_[k] = (k % 36) / 4 % 4 == 0 ? 1 : 0;
   std::fill(spins_.begin(), spins_.end(), 0.0);
+  turned_float_.is_current = turned_double_.is_current = false;
 }
 
 Eigen::Matrix3d CorotatedBody::rotationOf(CellId cell) const {
@@ -397,6 +415,10 @@ void CorotatedBody::internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& pos
     kernels.forces(batch, positions.data(), &rotations_[36 * b], &spins_[12 * b], room,
                    &corner_forces_[4 * static_cast<std::size_t>(batches_[b].first_corner)]);
   });
+  gatherForces(forces);
+}
+
+void CorotatedBody::gatherForces(Eigen::Matrix3Xd& forces) const {
   const int num_vertices = pattern_.numVertices();
   forces.resize(3, num_vertices);
   parallelChunks(num_vertices, kVerticesAChunk, num_threads_, [&](int first, int last) {
@@ -422,19 +444,21 @@ void CorotatedBody::vertexRotations(std::vector<float>& rotations) {
   });
 }
 
-// h of every corner and the stabilising blocks of every pair.
 template <class Scalar>
-void CorotatedBody::makeTurned(Turned<Scalar>& turned) {
+void CorotatedBody::resizeTurned(Turned<Scalar>& turned) const {
   turned.gradients.resize(4 * vertices_.size());
   turned.blocks.resize(9 * static_cast<std::size_t>(num_pairs_) + 1);
+}
+
+// h of a batch's corners and the stabilising blocks of its pairs.
+template <class Scalar>
+void CorotatedBody::makeTurned(int index, const CellBatch& batch, void* room, Turned<Scalar>& turned) const {
   const TurnedKernels<Scalar>& kernels = turnedKernels<Scalar>(corotatedKernels());
-  forEachBatch([&](int b, const CellBatch& batch, void* room) {
-    kernels.gradients(batch, &rotations_[36 * b],
-                      &turned.gradients[4 * static_cast<std::size_t>(batches_[b].first_corner)]);
-    if (batch.num_modes > 0)
-      kernels.stabiliser(batch, &rotations_[36 * b], room,
-                         &turned.blocks[9 * static_cast<std::size_t>(batches_[b].first_pair)]);
-  });
+  kernels.gradients(batch, &rotations_[36 * index],
+                    &turned.gradients[4 * static_cast<std::size_t>(batches_[index].first_corner)]);
+  if (batch.num_modes > 0)
+    kernels.stabiliser(batch, &rotations_[36 * index], room,
+                       &turned.blocks[9 * static_cast<std::size_t>(batches_[index].first_pair)]);
 }
 
 // Each entry above the diagonal is written once, and its transpose at its mirror.
@@ -442,7 +466,11 @@ template <class Scalar>
 void CorotatedBody::assemble(const Eigen::VectorXd& vertex_masses, double mass_scale, double stiffness_scale,
                              DifferenceMatrix<Scalar>& matrix) {
   Turned<Scalar>& turned = turnedOf<Scalar>();
-  makeTurned(turned);
+  if (!turned.is_current) {
+    resizeTurned(turned);
+    forEachBatch([&](int b, const CellBatch& batch, void* room) { makeTurned(b, batch, room, turned); });
+    turned.is_current = true;
+  }
   matrix.resize(pattern_);
   const Scalar scale = static_cast<Scalar>(stiffness_scale);
   parallelChunks(pattern_.numVertices(), kVerticesAChunk, num_threads_, [&](int first, int last) {
@@ -455,11 +483,12 @@ void CorotatedBody::assemble(const Eigen::VectorXd& vertex_masses, double mass_s
         Quad<Scalar> c0 = {}, c1 = {}, c2 = {};
         for (const Pair* const end = pair + incidences_[entry].num_pairs; pair != end; ++pair) {
           const Quad<Scalar> a = loadQuad(&turned.gradients[4 * static_cast<std::size_t>(pair->row_corner)]);
-          const Quad<Scalar> b = loadQuad(&turned.gradients[4 * static_cast<std::size_t>(pair->column_corner)]);
-          const Quad<Scalar> stretched = b * a[3];  // times lambda / mu
-          c0 += a * stretched[0] + b * a[0];
-          c1 += a * stretched[1] + b * a[1];
-          c2 += a * stretched[2] + b * a[2];
+          const Quad<Scalar> b =
+              loadQuad(&turned.gradients[4 * static_cast<std::size_t>(pair->column_corner)]);
+          const Quad<Scalar> stretched = b * spread<3>(a);  // times lambda / mu
+          c0 += a * spread<0>(stretched) + b * spread<0>(a);
+          c1 += a * spread<1>(stretched) + b * spread<1>(a);
+          c2 += a * spread<2>(stretched) + b * spread<2>(a);
         }
         for (const int* const end = stabiliser + incidences_[entry].num_stabilisers; stabiliser != end;
              ++stabiliser) {
@@ -470,38 +499,39 @@ void CorotatedBody::assemble(const Eigen::VectorXd& vertex_masses, double mass_s
         }
         const Scalar diagonal =
             static_cast<Scalar>(mass_scale * entry_masses_[entry] + stiffness_scale * entry_shears_[entry]);
-        c0 *= scale;
-        c1 *= scale;
-        c2 *= scale;
-        c0[0] += diagonal;
-        c1[1] += diagonal;
-        c2[2] += diagonal;
+        c0 = c0 * scale + Quad<Scalar>{diagonal, 0, 0, 0};
+        c1 = c1 * scale + Quad<Scalar>{0, diagonal, 0, 0};
+        c2 = c2 * scale + Quad<Scalar>{0, 0, diagonal, 0};
         Scalar* const block = &matrix.blocks[9 * static_cast<std::size_t>(entry)];
         storeThree(block, c0);
         storeThree(block + 3, c1);
         storeThree(block + 6, c2);
         Scalar* const transposed = &matrix.blocks[9 * static_cast<std::size_t>(pattern_.mirror[entry])];
-        for (int c = 0; c < 3; ++c) {
-          transposed[3 * c] = c0[c];
-          transposed[3 * c + 1] = c1[c];
-          transposed[3 * c + 2] = c2[c];
-        }
+        const Quad<Scalar> low = __builtin_shufflevector(c0, c1, 0, 4, 1, 5),
+                           high = __builtin_shufflevector(c0, c1, 2, 6, 3, 7);
+        storeThree(transposed, Quad<Scalar>(__builtin_shufflevector(low, c2, 0, 1, 4, 7)));
+        storeThree(transposed + 3, Quad<Scalar>(__builtin_shufflevector(low, c2, 2, 3, 5, 7)));
+        storeThree(transposed + 6, Quad<Scalar>(__builtin_shufflevector(high, c2, 0, 1, 6, 7)));
       }
     }
   });
 }
 
-template void CorotatedBody::assemble<float>(const Eigen::VectorXd&, double, double, DifferenceMatrix<float>&);
+template void CorotatedBody::assemble<float>(const Eigen::VectorXd&, double, double,
+                                             DifferenceMatrix<float>&);
 template void CorotatedBody::assemble<double>(const Eigen::VectorXd&, double, double,
                                               DifferenceMatrix<double>&);
 
 void CorotatedBody::assembleAtRest(const Eigen::VectorXd& vertex_masses, double mass_scale,
                                    double stiffness_scale, DifferenceMatrix<double>& matrix) {
   const std::vector<double> rotations = rotations_, spins = spins_;
+  const bool float_was_current = turned_float_.is_current;
   lineariseAtRest();
   assemble(vertex_masses, mass_scale, stiffness_scale, matrix);
   rotations_ = rotations;
   spins_ = spins;
+  turned_float_.is_current = float_was_current;
+  turned_double_.is_current = false;
 }
 
 // As the matrix: row sums, and differences to the neighbours.

@@ -31,7 +31,8 @@ class CorotatedKernel {
   static constexpr int kStride = kBatchSize;
 
   /// The batch from lane `first` on.
-  CorotatedKernel(const CellBatch& whole, int first, void* room) : batch_(whole), room_(static_cast<Real*>(room)) {
+  CorotatedKernel(const CellBatch& whole, int first, void* room)
+      : batch_(whole), room_(static_cast<Real*>(room)) {
     batch_.vertices += first;
     batch_.gradients += first;
     batch_.volume += first;
@@ -43,7 +44,8 @@ class CorotatedKernel {
   }
   template <class Run>
   static void forEachPart(const CellBatch& batch, void* room, const Run& run) {
-    for (int first = 0; first < kBatchSize; first += Real::kSize) run(CorotatedKernel(batch, first, room), first);
+    for (int first = 0; first < kBatchSize; first += Real::kSize)
+      run(CorotatedKernel(batch, first, room), first);
   }
 
   static Real load(const double* numbers) {
@@ -183,7 +185,8 @@ class CorotatedKernel {
     const Real pressure = load(batch_.lambda) * volume * (D[0] + D[4] + D[8] - 3);
     Matrix local;  // the stress in the cell's frame, and what turning the stabilising part's frame takes
     for (int column = 0; column < 3; ++column) {
-      for (int row = 0; row < 3; ++row) local[3 * column + row] = mu * (D[3 * column + row] + D[3 * row + column]);
+      for (int row = 0; row < 3; ++row)
+        local[3 * column + row] = mu * (D[3 * column + row] + D[3 * row + column]);
       local[4 * column] = mu * (2 * (D[4 * column] - 1)) + pressure;
     }
     Real* const turned = room_ + 6 * m;

@@ -36,6 +36,7 @@ class Pack {
   struct Mask {
     decltype(Values{} < Values{}) lanes;
     friend Mask operator&&(Mask a, Mask b) { return {a.lanes & b.lanes}; }
+    friend Mask operator!(Mask a) { return {~a.lanes}; }
     bool operator[](int lane) const { return lanes[lane] != 0; }
     bool any() const {
       bool result = false;
@@ -87,6 +88,7 @@ class SinglePack {
   struct Mask {
     bool holds;
     friend Mask operator&&(Mask a, Mask b) { return {a.holds && b.holds}; }
+    friend Mask operator!(Mask a) { return {!a.holds}; }
     bool operator[](int) const { return holds; }
     bool any() const { return holds; }
   };

@@ -28,7 +28,8 @@ template <class Real>
 static inline Square<Real> product(const Square<Real>& A, const Square<Real>& B) {
   Square<Real> C;
   for (int j = 0; j < 3; ++j) {
-    for (int i = 0; i < 3; ++i) C[3 * j + i] = A[i] * B[3 * j] + A[3 + i] * B[3 * j + 1] + A[6 + i] * B[3 * j + 2];
+    for (int i = 0; i < 3; ++i)
+      C[3 * j + i] = A[i] * B[3 * j] + A[3 + i] * B[3 * j + 1] + A[6 + i] * B[3 * j + 2];
   }
   return C;
 }
@@ -92,6 +93,8 @@ static inline Square<Real> polarRotation(const Square<Real>& deformation_gradien
   constexpr int kMaxNewtonSteps = 12;
   // Quadratic convergence: what is left after a smaller change is of the order of its square.
   constexpr double kConverged = 1e-8;
+  // The part of |R^-1|^2 / |R|^2, or of its inverse, from which on steps are scaled.
+  constexpr double kNoScaling = 0.8;
   // A factor > 0 does not change R; taking it out keeps determinants from over- and underflow. Division,
   // since the inverse of a subnormal number is infinite.
   const Real scale = largest(deformation_gradient);
@@ -109,8 +112,13 @@ static inline Square<Real> polarRotation(const Square<Real>& deformation_gradien
   for (int k = 0; k < 9; ++k) R[k] = select(is_ordinary, F[k], k % 4 == 0 ? 1 : 0);
   auto is_moving = is_ordinary;
   for (int step = 0; step < kMaxNewtonSteps && is_moving.any(); ++step) {
-    // R <- (g R + R^-T / g) / 2; g^2 = |R^-1| / |R| makes the first steps short cuts and tends to 1.
-    const Real g = sqrt(sqrt(squaredNorm(C) / (determinant * determinant * square)));
+    // R <- (g R + R^-T / g) / 2; g^2 = |R^-1| / |R| makes the first steps short cuts and tends to 1. Near
+    // that it is left out: its roots take longer than all the rest.
+    const Real of_inverse = squaredNorm(C), of_itself = determinant * determinant * square;
+    const auto is_scaled =
+        is_moving && !(kNoScaling * of_itself < of_inverse && kNoScaling * of_inverse < of_itself);
+    Real g = 1;
+    if (is_scaled.any()) g = select(is_scaled, sqrt(sqrt(of_inverse / of_itself)), g);
     const Real of_R = 0.5 * g, of_C = 0.5 / (g * determinant);
     Square<Real> change;
     for (int k = 0; k < 9; ++k) {

@@ -78,11 +78,13 @@ bool ImplicitEuler::iterates(Assembly& assembly) const {
 // own.
 void ImplicitEuler::prepareRightSide(const SimulationState& state, Assembly& assembly) {
   const double h = config_.time_step_s, a = config_.mass_damping_per_s, b = config_.stiffness_damping_s;
-  assembly.linearise(state.positions);
   work_ = state.positions + (h + b) * state.velocities;
-  assembly.internalForces(work_, forces_);
-  work_ = (-a * state.velocities).colwise() + config_.gravity_m_s2;
-  assembly.multiplyMass(work_, rhs_);
+  assembly.lineariseWithForces(state.positions, work_, forces_);
+  rhs_ = config_.gravity_m_s2 * assembly.vertexMasses().transpose();
+  if (a != 0) {
+    assembly.multiplyMass(state.velocities, work_);
+    rhs_ -= a * work_;
+  }
   rhs_ = h * (rhs_ - forces_);
 }
 

@@ -10,7 +10,7 @@ namespace polyscalpel {
 namespace {
 
 /// Vertices of a group. Fewer make a larger coarse system and fewer iterations.
-constexpr int kGroupSize = 60;
+constexpr int kGroupSize = 30;
 
 using Coarse = Eigen::Matrix<double, 6, 6>;
 
@@ -148,7 +148,8 @@ SolveStatus AggregatePreconditioner::make(const RowPattern& pattern,
         }
         // The row of j has A_ji; wanted is A_ij.
         const Eigen::Matrix3d A =
-            Eigen::Map<const Eigen::Matrix3d>(&rest_matrix.blocks[9 * static_cast<std::size_t>(k)]).transpose();
+            Eigen::Map<const Eigen::Matrix3d>(&rest_matrix.blocks[9 * static_cast<std::size_t>(k)])
+                .transpose();
         addBetween(arms.col(i), A, arms.col(j), column[place[of]]);
       }
     }

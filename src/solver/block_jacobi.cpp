@@ -52,10 +52,10 @@ template void BlockJacobi::update<double>(const RowPattern&, const DifferenceMat
 void BlockJacobi::apply(const float* residual, float* result) {
   const float* inverse = inverses_.data();
   for (const int i : *active_) {
-    const float* const r = residual + 3 * static_cast<std::ptrdiff_t>(i);
+    const Quad<float> r = loadQuad(residual + 3 * static_cast<std::ptrdiff_t>(i));
     storeThree(result + 3 * static_cast<std::ptrdiff_t>(i),
-               Quad<float>(loadQuad(inverse) * r[0] + loadQuad(inverse + 3) * r[1] +
-                           loadQuad(inverse + 6) * r[2]));
+               Quad<float>(loadQuad(inverse) * spread<0>(r) + loadQuad(inverse + 3) * spread<1>(r) +
+                           loadQuad(inverse + 6) * spread<2>(r)));
     inverse += 9;
   }
 }

@@ -20,7 +20,8 @@ double dot(const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& a,
   for (Eigen::Index i = 0; i < whole; i += 8) {
     for (int k = 0; k < 8; ++k) sums[k] += static_cast<double>(x[i + k]) * static_cast<double>(y[i + k]);
   }
-  for (Eigen::Index i = whole; i < size; ++i) sums[0] += static_cast<double>(x[i]) * static_cast<double>(y[i]);
+  for (Eigen::Index i = whole; i < size; ++i)
+    sums[0] += static_cast<double>(x[i]) * static_cast<double>(y[i]);
   return ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]));
 }
 

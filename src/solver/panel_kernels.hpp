@@ -9,7 +9,7 @@
 
 namespace polyscalpel {
 
-constexpr int kPanelLanes = 8;  ///< rows of a panel are a multiple of it
+constexpr int kPanelLanes = 8;    ///< rows of a panel are a multiple of it
 constexpr int kPanelColumns = 4;  ///< taken together; columns are a multiple of it, filled up with zeros
 
 /// A panel lies column by column, leading rows each; its upper triangle is zero.

@@ -59,7 +59,7 @@ double stiffnessOverMass(const RowPattern& pattern, const DifferenceMatrix<doubl
 struct StepSolver::Impl {
   SolverConfig config;
   bool is_restarted = true;
-  bool is_first = true;        // nothing has been cut yet
+  bool is_first = true;  // nothing has been cut yet
   int steps_since_restart = 0;
   SolverKind kind = SolverKind::kAuto;  // what the config or the choice says
   std::string reason;
@@ -284,8 +284,10 @@ SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, boo
     // Begun and taken over at fixed steps, so that a machine's speed does not tell which step has it.
     ++s.steps_since_restart;
     if (s.steps_since_restart == (s.config.refresh_after_steps + 1) / 2) {
-      s.next_factor = std::async(std::launch::async, [rows = system.pattern(), matrix = s.rest_matrix,
-                                                      fixed = s.fixed] { return makeFactor(rows, matrix, fixed); });
+      s.next_factor =
+          std::async(std::launch::async, [rows = system.pattern(), matrix = s.rest_matrix, fixed = s.fixed] {
+            return makeFactor(rows, matrix, fixed);
+          });
     }
     if (s.steps_since_restart >= s.config.refresh_after_steps && s.next_factor.valid()) {
       MadeFactor made = s.next_factor.get();

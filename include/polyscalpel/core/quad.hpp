@@ -32,10 +32,17 @@ template <class Scalar>
 static inline void storeQuad(Scalar* to, const Quad<Scalar>& quad) {
   std::memcpy(to, &quad, sizeof quad);
 }
+/// Component k in all four places. Indexing would take the way through memory.
+template <int k, class Vector>
+static inline Vector spread(const Vector& quad) {
+  return __builtin_shufflevector(quad, quad, k, k, k, k);
+}
+
 /// The first three alone.
 template <class Scalar>
 static inline void storeThree(Scalar* to, const Quad<Scalar>& quad) {
-  for (int c = 0; c < 3; ++c) to[c] = quad[c];
+  std::memcpy(to, &quad, 2 * sizeof(Scalar));
+  to[2] = spread<2>(quad)[0];
 }
 
 }  // namespace polyscalpel

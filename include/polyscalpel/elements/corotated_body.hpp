@@ -44,6 +44,11 @@ class CorotatedBody {
 
   /// Takes each cell's rotation from these positions, 3 x n [m]. exact_force as in ElementConfig.
   void linearise(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, bool exact_force);
+  /// Linearises around `positions`, and sets `forces` to dE/dx at `ahead` by that linearisation: linearise()
+  /// and internalForces() in one way through memory, with what assemble<float>() needs made on it too.
+  void lineariseWithForces(const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+                           const Eigen::Ref<const Eigen::Matrix3Xd>& ahead, bool exact_force,
+                           Eigen::Matrix3Xd& forces);
   /// Every cell's rotation is the identity, as at rest.
   void lineariseAtRest();
   /// Rotation of a cell.
@@ -52,7 +57,8 @@ class CorotatedBody {
   /// dE/dx by the last linearisation, 3 x n [N]; resized and set.
   void internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, Eigen::Matrix3Xd& forces);
 
-  /// matrix = mass_scale M + stiffness_scale K by the last linearisation. vertex_masses: n, row sums of M [kg].
+  /// matrix = mass_scale M + stiffness_scale K by the last linearisation. vertex_masses: n, row sums of M
+  /// [kg].
   template <class Scalar>
   void assemble(const Eigen::VectorXd& vertex_masses, double mass_scale, double stiffness_scale,
                 DifferenceMatrix<Scalar>& matrix);
@@ -97,6 +103,7 @@ class CorotatedBody {
   struct Turned {
     std::vector<Scalar> gradients;  // 4 a corner
     std::vector<Scalar> blocks;     // 9 a pair of a cell with modes
+    bool is_current = false;        // made from the last linearisation
   };
   // Where the numbers of a batch lie behind first_number.
   struct Layout;
@@ -112,8 +119,11 @@ class CorotatedBody {
   CellBatch view(const Batch& batch) const;
   template <class Visit>
   void forEachBatch(const Visit& visit) const;
+  void gatherForces(Eigen::Matrix3Xd& forces) const;
   template <class Scalar>
-  void makeTurned(Turned<Scalar>& turned);
+  void resizeTurned(Turned<Scalar>& turned) const;
+  template <class Scalar>
+  void makeTurned(int index, const CellBatch& batch, void* room, Turned<Scalar>& turned) const;
   template <class Scalar>
   Turned<Scalar>& turnedOf() {
     if constexpr (std::is_same_v<Scalar, float>) {
@@ -129,7 +139,7 @@ class CorotatedBody {
   std::vector<int> place_of_cell_;             // by cell id, -1 where there is none
   std::vector<int> vertices_;                  // of each corner
   std::vector<double> numbers_;
-  std::vector<double> densities_;  // of each place
+  std::vector<double> densities_;                // of each place
   std::vector<Eigen::MatrixXd> mass_integrals_;  // of each place; empty where masses are lumped
   int num_pairs_ = 0;
   int most_modes_ = 0;

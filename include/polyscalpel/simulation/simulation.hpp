@@ -89,7 +89,7 @@ struct StepReport {
   /// |A dv - b| / |b| of the last solve; in the static modes EquilibriumResult::relative_residual.
   double relative_residual = 0;
   int solves = 0;
-  int iterations = 0;  ///< Newton steps of the static modes
+  int iterations = 0;       ///< Newton steps of the static modes
   SolverReport solver;      ///< dynamic scenes
   int half_steps = 0;       ///< > 0: the step was made of so many shorter ones, since it failed as a whole
   int sleeping_pieces = 0;  ///< after the step

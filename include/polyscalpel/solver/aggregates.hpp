@@ -44,8 +44,8 @@ class AggregatePreconditioner final : public Preconditioner {
   BlockJacobi jacobi_;
   SingleFactor coarse_;
   int num_groups_ = 0;
-  std::vector<int> group_;    // of each vertex
-  std::vector<float> arms_;   // 3 a vertex: from its group's middle, in the group's size
+  std::vector<int> group_;            // of each vertex
+  std::vector<float> arms_;           // 3 a vertex: from its group's middle, in the group's size
   std::vector<float> coarse_values_;  // 6 a group
   const float* rotations_ = nullptr;
   const std::vector<int>* active_ = nullptr;

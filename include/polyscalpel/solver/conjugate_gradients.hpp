@@ -59,6 +59,7 @@ extern template class ConjugateGradients<double>;
 
 /// a . b in double precision, in a fixed order.
 template <class Scalar>
-double dot(const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& a, const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& b);
+double dot(const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& a,
+           const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& b);
 
 }  // namespace polyscalpel
