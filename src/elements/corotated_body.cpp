@@ -155,6 +155,8 @@ void CorotatedBody::update(int num_vertices, const std::vector<CellId>& removed,
   rotation_weights_.resize(kCellsAMean * static_cast<std::size_t>(num_vertices), 0.0);
   updateCorners(added);
   turned_float_.is_current = turned_double_.is_current = false;
+  asleep_.clear();
+  batch_is_asleep_.clear();
   std::vector<int> touched;
   int num_touched_entries = 0;
   for (int i = 0; i < num_vertices; ++i) {
@@ -365,8 +367,26 @@ template <class Visit>
 void CorotatedBody::forEachBatch(const Visit& visit) const {
   parallelChunks(static_cast<int>(batches_.size()), kBatchesAChunk, num_threads_, [&](int first, int last) {
     void* const room = roomFor(most_modes_);
-    for (int b = first; b < last; ++b) visit(b, view(batches_[b]), room);
+    for (int b = first; b < last; ++b) {
+      if (batch_is_asleep_.empty() || !batch_is_asleep_[b]) visit(b, view(batches_[b]), room);
+    }
   });
+}
+
+void CorotatedBody::setAsleep(const std::vector<char>& asleep) {
+  if (asleep == asleep_) return;
+  asleep_ = asleep;
+  batch_is_asleep_.clear();
+  // What was made while others slept may lack those that wake.
+  turned_float_.is_current = turned_double_.is_current = false;
+  if (asleep_.empty()) return;
+  POLYSCALPEL_ASSERT(static_cast<int>(asleep_.size()) == pattern_.numVertices());
+  for (const Batch& batch : batches_) {
+    bool all = true;
+    for (int lane = 0; lane < kBatchSize; ++lane)
+      all = all && (batch.cells[lane] < 0 || asleep_[vertices_[batch.first_corner + lane]] != 0);
+    batch_is_asleep_.push_back(all ? 1 : 0);
+  }
 }
 
 void CorotatedBody::linearise(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, bool exact_force) {
@@ -423,7 +443,8 @@ void CorotatedBody::gatherForces(Eigen::Matrix3Xd& forces) const {
   forces.resize(3, num_vertices);
   parallelChunks(num_vertices, kVerticesAChunk, num_threads_, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
-      const Span& span = corners_of_vertex_[i];
+      Span span = corners_of_vertex_[i];
+      if (isAsleep(i)) span.count = 0;
       double sum[3] = {0, 0, 0};
       for (int k = span.first; k < span.first + span.count; ++k) {
         const double* const force = &corner_forces_[4 * static_cast<std::size_t>(corners_[k].corner)];
@@ -475,6 +496,7 @@ void CorotatedBody::assemble(const Eigen::VectorXd& vertex_masses, double mass_s
   const Scalar scale = static_cast<Scalar>(stiffness_scale);
   parallelChunks(pattern_.numVertices(), kVerticesAChunk, num_threads_, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
+      if (isAsleep(i)) continue;
       matrix.masses[i] = static_cast<Scalar>(mass_scale * vertex_masses[i]);
       const RowPattern::Row& row = pattern_.rows[i];
       const Pair* pair = &pairs_[first_pair_[i]];
@@ -525,13 +547,14 @@ template void CorotatedBody::assemble<double>(const Eigen::VectorXd&, double, do
 void CorotatedBody::assembleAtRest(const Eigen::VectorXd& vertex_masses, double mass_scale,
                                    double stiffness_scale, DifferenceMatrix<double>& matrix) {
   const std::vector<double> rotations = rotations_, spins = spins_;
-  const bool float_was_current = turned_float_.is_current;
+  const std::vector<char> asleep = asleep_;
+  setAsleep({});
   lineariseAtRest();
   assemble(vertex_masses, mass_scale, stiffness_scale, matrix);
   rotations_ = rotations;
   spins_ = spins;
-  turned_float_.is_current = float_was_current;
-  turned_double_.is_current = false;
+  turned_float_.is_current = turned_double_.is_current = false;
+  setAsleep(asleep);
 }
 
 // As the matrix: row sums, and differences to the neighbours.

@@ -119,6 +119,10 @@ void Simulation::Impl::reset() {
   fracture = FractureCounts();
   if (config.fracture) cracks.emplace(*config.fracture, config.cutting->snap_tolerance);
   if (isDynamic()) integrator.emplace(config.integration, config.solver);
+  if (maySleep()) {
+    sleep.emplace(config.integration);
+    sleep->follow(mesh, index.pieces.pieces(), nullptr, state);
+  }
   if (hasContact()) surface.emplace(mesh, state.positions);
   for (std::size_t i = 0; i < tools.size(); ++i) {
     tools[i].T_world_tool.reset();

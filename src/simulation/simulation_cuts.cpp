@@ -20,6 +20,7 @@ void Simulation::Impl::followChange(int tool, const MeshChange& change) {
   assembly->update(mesh, change);
   if (quality) quality->update(mesh, *assembly, change);
   if (integrator) integrator->restart();
+  if (sleep) sleep->follow(mesh, index.pieces.pieces(), &change, state);
   if (surface) surface->update(mesh, change, state.positions);
   for (std::size_t i = 0; i < tools.size(); ++i) {
     if (static_cast<int>(i) != tool && tools[i].blade) tools[i].blade->update(mesh, change);

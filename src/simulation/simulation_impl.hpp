@@ -17,6 +17,7 @@
 #include "polyscalpel/collision/contact_detection.hpp"
 #include "polyscalpel/elements/assembly.hpp"
 #include "polyscalpel/mesh/mesh_index.hpp"
+#include "polyscalpel/simulation/piece_sleep.hpp"
 #include "polyscalpel/simulation/simulation_state.hpp"
 #include "polyscalpel/simulation/time_integration.hpp"
 
@@ -58,6 +59,7 @@ struct Simulation::Impl {
   SimulationState state;
   std::optional<Assembly> assembly;
   std::optional<ImplicitEuler> integrator;  // dynamic scenes
+  std::optional<PieceSleep> sleep;          // dynamic scenes where pieces may
   std::optional<TissueSurface> surface;     // scenes with contact
   MeshIndex index;
   std::vector<PieceProperties> piece_table;
@@ -75,6 +77,10 @@ struct Simulation::Impl {
   explicit Impl(const SimulationConfig& given);
 
   bool isDynamic() const { return config.integration.mode == AnalysisMode::kDynamic; }
+  bool maySleep() const {
+    return isDynamic() && config.integration.sleep_speed_m_s > 0 &&
+           config.solver.kind != SolverKind::kDirect && config.element.strain == Strain::kCorotated;
+  }
   bool hasContact() const { return std::find(parts.begin(), parts.end(), "contact") != parts.end(); }
 
   void reset();

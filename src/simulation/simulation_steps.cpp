@@ -67,16 +67,25 @@ bool Simulation::Impl::stepDynamic(const ToolPoses& T_end, StepReport& report) {
   const std::vector<LinearisedContact> contacts = findContacts(T_end, report);
   Eigen::Matrix3Xd positions_start;
   if (hasBlade()) positions_start = state.positions;
+  if (sleep) {
+    for (const LinearisedContact& contact : contacts)
+      sleep->wake(index.pieces.pieces(), mesh.face(contact.contact.face).cells[0], state);
+  }
   const IntegrationResult result = integrator->step(state, *assembly, contacts);
   report.relative_residual = result.relative_residual;
   report.solves = result.solves;
   report.solver = result.solver;
+  report.half_steps = result.half_steps;
   report.times.assembly_s = result.assembly_s;
   report.times.solve_s = result.solve_s;
   report.times.contact_s += result.contact_s;
   if (result.status != SolveStatus::kSolved) {
     report.message = toString(result.status);
     return false;
+  }
+  if (sleep) {
+    sleep->track(state);
+    report.sleeping_pieces = sleep->numAsleep();
   }
   finishMotion(contacts, result.contact_forces, T_end, positions_start, report);
   return true;

@@ -15,20 +15,22 @@ using Clock = std::chrono::steady_clock;
 /// solve.
 class BodySystem final : public StepSystem {
  public:
-  BodySystem(Assembly& assembly, const IntegrationConfig& config, const std::vector<int>& active,
-             const std::vector<LinearisedContact>& contacts, const std::vector<bool>& acts,
-             double& assembly_s)
+  BodySystem(Assembly& assembly, const IntegrationConfig& config, const std::vector<int>& movable,
+             const std::vector<int>& active, const std::vector<LinearisedContact>& contacts,
+             const std::vector<bool>& acts, double& assembly_s)
       : assembly_(assembly),
         body_(*assembly.corotatedBody()),
         step_s_(config.time_step_s),
         mass_scale_(1 + step_s_ * config.mass_damping_per_s),
         stiffness_scale_(step_s_ * (step_s_ + config.stiffness_damping_s)),
+        movable_(movable),
         active_(active),
         contacts_(contacts),
         acts_(acts),
         assembly_s_(assembly_s) {}
 
   const RowPattern& pattern() const override { return body_.pattern(); }
+  const std::vector<int>& movable() const override { return movable_; }
   const std::vector<int>& active() const override { return active_; }
   const Eigen::Matrix3Xd& restPositions() const override { return assembly_.restPositions(); }
   void assemble(DifferenceMatrix<float>& matrix) override { assembleIn(matrix); }
@@ -54,6 +56,7 @@ class BodySystem final : public StepSystem {
   Assembly& assembly_;
   CorotatedBody& body_;
   double step_s_, mass_scale_, stiffness_scale_;
+  const std::vector<int>& movable_;
   const std::vector<int>& active_;
   const std::vector<LinearisedContact>& contacts_;
   const std::vector<bool>& acts_;
@@ -78,6 +81,8 @@ bool ImplicitEuler::iterates(Assembly& assembly) const {
 // own.
 void ImplicitEuler::prepareRightSide(const SimulationState& state, Assembly& assembly) {
   const double h = config_.time_step_s, a = config_.mass_damping_per_s, b = config_.stiffness_damping_s;
+  if (assembly.corotatedBody())
+    assembly.corotatedBody()->setAsleep(iterates(assembly) ? state.asleep : std::vector<char>());
   work_ = state.positions + (h + b) * state.velocities;
   assembly.lineariseWithForces(state.positions, work_, forces_);
   rhs_ = config_.gravity_m_s2 * assembly.vertexMasses().transpose();
@@ -96,14 +101,14 @@ SolveResult ImplicitEuler::solveByIteration(const SimulationState& state, Assemb
   SolveResult solved;
   {
     const StageTimer timer(both_s);
-    if (!is_analysed_) {
-      active_.clear();
-      for (std::size_t i = 0; i < state.fixed.size(); ++i) {
-        if (!state.fixed[i]) active_.push_back(static_cast<int>(i));
-      }
-      is_analysed_ = true;
+    movable_.clear();
+    active_.clear();
+    for (int i = 0; i < static_cast<int>(state.fixed.size()); ++i) {
+      if (state.fixed[i]) continue;
+      movable_.push_back(i);
+      if (!state.isAsleep(i)) active_.push_back(i);
     }
-    BodySystem system(assembly, config_, active_, contacts, acts, assembly_s);
+    BodySystem system(assembly, config_, movable_, active_, contacts, acts, assembly_s);
     solved = iteration_.solve(system, contacts.empty() ? rhs_ : contact_rhs_, result.solves == 0, step_start,
                               dv_, result.solver);
   }
@@ -154,7 +159,59 @@ SolveResult ImplicitEuler::solveDirectly(const SimulationState& state, Assembly&
 IntegrationResult ImplicitEuler::step(SimulationState& state, Assembly& assembly,
                                       const std::vector<LinearisedContact>& contacts) {
   POLYSCALPEL_ASSERT(state.positions.cols() == assembly.numVertices());
+  IntegrationResult result = stepOnce(state, assembly, contacts);
+  constexpr int kMostParts = 8;
+  for (int parts = 2; parts <= kMostParts && result.status != SolveStatus::kSolved; parts *= 2) {
+    // Shorter steps mend neither what is not finite from the start nor a lack of memory.
+    if (result.status == SolveStatus::kOutOfMemory || !state.positions.allFinite() ||
+        !state.velocities.allFinite()) {
+      break;
+    }
+    const IntegrationResult in_parts = stepInParts(state, assembly, contacts, parts);
+    if (in_parts.status == SolveStatus::kSolved) result = in_parts;
+  }
+  return result;
+}
+
+IntegrationResult ImplicitEuler::stepInParts(SimulationState& state, Assembly& assembly,
+                                             const std::vector<LinearisedContact>& contacts,
+                                             int parts) const {
+  IntegrationConfig config = config_;
+  config.time_step_s /= parts;
+  ImplicitEuler shorter(config);
+  SimulationState trial = state;
+  IntegrationResult result;
+  result.contact_forces.assign(contacts.size(), Eigen::Vector3d::Zero());
+  for (int part = 0; part < parts; ++part) {
+    const IntegrationResult once = shorter.stepOnce(trial, assembly, contacts);
+    result.status = once.status;
+    result.relative_residual = once.relative_residual;
+    result.solver = once.solver;
+    result.solves += once.solves;
+    result.assembly_s += once.assembly_s;
+    result.contact_s += once.contact_s;
+    result.solve_s += once.solve_s;
+    if (result.status != SolveStatus::kSolved) return result;
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      result.contact_forces[c] += once.contact_forces[c] / static_cast<double>(parts);
+    }
+  }
+  result.solver.reason = "the step as a whole failed";
+  result.half_steps = parts;
+  for (int i = 0; i < static_cast<int>(state.fixed.size()); ++i) {
+    if (!state.isAsleep(i)) continue;
+    trial.positions.col(i) = state.positions.col(i);
+    trial.velocities.col(i) = state.velocities.col(i);
+  }
+  state.positions.swap(trial.positions);
+  state.velocities.swap(trial.velocities);
+  return result;
+}
+
+IntegrationResult ImplicitEuler::stepOnce(SimulationState& state, Assembly& assembly,
+                                          const std::vector<LinearisedContact>& contacts) {
   const Clock::time_point start = Clock::now();
+  if (assembly.corotatedBody()) assembly.corotatedBody()->setThreads(solver_config_.threads);
   IntegrationResult result;
   result.contact_forces.assign(contacts.size(), Eigen::Vector3d::Zero());
   {

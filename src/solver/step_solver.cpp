@@ -87,6 +87,7 @@ struct StepSolver::Impl {
   DirectSolver direct;
   BlockPattern direct_pattern;
   bool is_direct_analysed = false;
+  std::vector<bool> direct_still;  // analysed without these
   Blocks blocks;
 
   explicit Impl(const SolverConfig& given) : config(given) { validate(config); }
@@ -109,8 +110,8 @@ void StepSolver::Impl::choose(StepSystem& system) {
     reason = "the scene asks for it";
     return;
   }
-  const std::size_t moving = system.active().size();
-  const double ratio = stiffnessOverMass(system.pattern(), rest_matrix, system.active());
+  const std::size_t moving = system.movable().size();
+  const double ratio = stiffnessOverMass(system.pattern(), rest_matrix, system.movable());
   if (ratio < kMildStiffness) {
     kind = SolverKind::kJacobi;
     reason = "the step is short: mass outweighs stiffness";
@@ -128,7 +129,7 @@ void StepSolver::Impl::prepare(StepSystem& system) {
   is_restarted = false;
   steps_since_restart = 0;
   fixed.assign(system.pattern().numVertices(), true);
-  for (const int i : system.active()) fixed[i] = false;
+  for (const int i : system.movable()) fixed[i] = false;
   system.assembleAtRest(rest_matrix);
   choose(system);
   factor.reset();
@@ -150,7 +151,7 @@ Preconditioner& StepSolver::Impl::preconditioner(StepSystem& system, SolverRepor
   if (report.kind == SolverKind::kAggregates && !aggregates) {
     aggregates.emplace();
     const SolveStatus status =
-        aggregates->make(system.pattern(), rest_matrix, system.restPositions(), system.active());
+        aggregates->make(system.pattern(), rest_matrix, system.restPositions(), system.movable());
     if (status != SolveStatus::kSolved) kind = SolverKind::kJacobi;
   }
   if (kind == SolverKind::kJacobi) report.kind = kind;
@@ -252,10 +253,14 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
 SolveResult StepSolver::Impl::solveDirectly(StepSystem& system, const Eigen::Matrix3Xd& b,
                                             Eigen::Matrix3Xd& x) {
   SolveResult result;
-  if (!is_direct_analysed) {
+  std::vector<bool> still(system.pattern().numVertices(), true);
+  for (const int i : system.active()) still[i] = false;
+  if (!is_direct_analysed || still != direct_still) {
+    is_direct_analysed = false;
     direct_pattern = toBlockPattern(system.pattern());
-    result.status = direct.analyse(direct_pattern, fixed);
+    result.status = direct.analyse(direct_pattern, still);
     if (result.status != SolveStatus::kSolved) return result;
+    direct_still = std::move(still);
     is_direct_analysed = true;
   }
   system.assemble(twofold.matrix);

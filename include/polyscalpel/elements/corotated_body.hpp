@@ -39,6 +39,10 @@ class CorotatedBody {
   /// At most so many threads, >= 1, share a call's work.
   void setThreads(int num_threads) { num_threads_ = num_threads; }
 
+  /// Vertices whose cells are left out of all that follows, a whole piece or nothing of it: no force, and no
+  /// rows in the matrix. One flag a vertex, or empty for none; holds until update().
+  void setAsleep(const std::vector<char>& asleep);
+
   /// Which vertices share a cell.
   const RowPattern& pattern() const { return pattern_; }
 
@@ -116,6 +120,7 @@ class CorotatedBody {
   void linkRow(int vertex);
   void makeRows(const std::vector<int>& touched);
   void makeVertexRotation(int vertex);
+  bool isAsleep(int vertex) const { return !asleep_.empty() && asleep_[vertex] != 0; }
   CellBatch view(const Batch& batch) const;
   template <class Visit>
   void forEachBatch(const Visit& visit) const;
@@ -134,6 +139,8 @@ class CorotatedBody {
   }
 
   int num_threads_ = 1;
+  std::vector<char> asleep_;           // as given
+  std::vector<char> batch_is_asleep_;  // all of its cells; empty: none is
   std::vector<Batch> batches_;
   std::vector<std::vector<int>> free_places_;  // by number of vertices, twice: without and with modes
   std::vector<int> place_of_cell_;             // by cell id, -1 where there is none

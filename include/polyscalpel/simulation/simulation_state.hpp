@@ -17,6 +17,10 @@ struct SimulationState {
   Eigen::Matrix3Xd velocities;  ///< 3 x n [m/s]
   /// Held where it is; its velocity is zero. So are retired vertices, which nothing could move.
   std::vector<bool> fixed;
+  /// Of a piece that sleeps: at rest, and left out of the step where the strain is corotated. Empty: nothing
+  /// sleeps.
+  std::vector<char> asleep;
+  bool isAsleep(int vertex) const { return !asleep.empty() && asleep[vertex] != 0; }
 };
 
 /// At rest in the rest shape. Throws std::invalid_argument for a region that holds no vertex, or an id out of

@@ -21,6 +21,7 @@ struct IntegrationResult {
   double relative_residual = 0;  ///< of the last solve
   int solves = 0;
   SolverReport solver;
+  int half_steps = 0;  ///< > 0: the step as a whole failed, and was made of so many shorter ones
   /// Force on the tissue of each contact handed in [N]; zero for one that was let go.
   std::vector<Eigen::Vector3d> contact_forces;
   double assembly_s = 0;  ///< wall time, as in StageTimes
@@ -53,12 +54,17 @@ class ImplicitEuler {
 
   /// One step. Vertices of a contact belong to one face. Contacts whose solved force pulls (normal . force <
   /// 0) are let go and the step is solved again, IntegrationConfig::contact_iterations solves at most; one
-  /// that still pulls then acts as solved. The state is as it was unless the status is kSolved. Changes the
-  /// assembly's linearisation only.
+  /// that still pulls then acts as solved. A step that fails is made of 2, 4 or 8 shorter ones, each factored
+  /// directly; forces of contacts are then the mean of theirs. The state is as it was unless the status is
+  /// kSolved. Changes the assembly's linearisation only.
   IntegrationResult step(SimulationState& state, Assembly& assembly,
                          const std::vector<LinearisedContact>& contacts);
 
  private:
+  IntegrationResult stepOnce(SimulationState& state, Assembly& assembly,
+                             const std::vector<LinearisedContact>& contacts);
+  IntegrationResult stepInParts(SimulationState& state, Assembly& assembly,
+                                const std::vector<LinearisedContact>& contacts, int parts) const;
   void prepareRightSide(const SimulationState& state, Assembly& assembly);
   bool iterates(Assembly& assembly) const;
   SolveResult solveByIteration(const SimulationState& state, Assembly& assembly,
@@ -71,7 +77,7 @@ class ImplicitEuler {
   IntegrationConfig config_;
   SolverConfig solver_config_;
   StepSolver iteration_;
-  std::vector<int> active_;  // vertices that move
+  std::vector<int> movable_, active_;  // vertices that are not fixed; of these, those that do not sleep
   DirectSolver direct_;
   bool is_analysed_ = false;
   bool factor_is_plain_ = false;  // the factor is that of the matrix without contacts

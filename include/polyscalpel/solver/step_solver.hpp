@@ -19,14 +19,16 @@ class StepSystem {
  public:
   virtual ~StepSystem() = default;
   virtual const RowPattern& pattern() const = 0;
-  /// Vertices that move, ascending. Valid until StepSolver::restart().
+  /// Vertices that are not fixed, ascending.
+  virtual const std::vector<int>& movable() const = 0;
+  /// Of these, those that do not sleep. Vertices that share a cell sleep together.
   virtual const std::vector<int>& active() const = 0;
   /// 3 x n [m].
   virtual const Eigen::Matrix3Xd& restPositions() const = 0;
   /// The matrix as it is now.
   virtual void assemble(DifferenceMatrix<float>& matrix) = 0;
   virtual void assemble(DifferenceMatrix<double>& matrix) = 0;
-  /// The same in the rest shape, without contacts.
+  /// The same in the rest shape, without contacts, for all that is movable.
   virtual void assembleAtRest(DifferenceMatrix<double>& matrix) = 0;
   /// Rotation of each vertex, 9 numbers, column by column.
   virtual void vertexRotations(std::vector<float>& rotations) = 0;
@@ -41,7 +43,7 @@ class StepSolver {
   StepSolver(StepSolver&&) noexcept;
   StepSolver& operator=(StepSolver&&) noexcept;
 
-  /// To be called before the first step and whenever the pattern or the active vertices have changed.
+  /// To be called before the first step and whenever the pattern or the movable vertices have changed.
   void restart();
 
   /// x = A^-1 b, 3 x n; zero at vertices that are not active. begins_step: false where contacts alone have
