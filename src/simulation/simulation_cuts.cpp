@@ -19,7 +19,7 @@ void Simulation::Impl::followChange(int tool, const MeshChange& change) {
   applyMeshChange(state, change);
   assembly->update(mesh, change);
   if (quality) quality->update(mesh, *assembly, change);
-  if (integrator) integrator->restart();
+  if (integrator) integrator->follow(mesh, change);
   if (sleep) sleep->follow(mesh, index.pieces.pieces(), &change, state);
   if (surface) surface->update(mesh, change, state.positions);
   for (std::size_t i = 0; i < tools.size(); ++i) {

@@ -73,6 +73,22 @@ void ImplicitEuler::restart() {
   iteration_.restart();
 }
 
+void ImplicitEuler::follow(const PolyhedralMesh& mesh, const MeshChange& change) {
+  is_analysed_ = false;
+  std::vector<AddedVertex> added;
+  for (const NewVertex& vertex : change.new_vertices) {
+    added.push_back(
+        {vertex.vertex.index(), {vertex.parents[0].index(), vertex.parents[1].index()}, vertex.weight});
+  }
+  std::vector<int> touched;
+  const auto touch = [&](CellId cell) {
+    for (const VertexId vertex : mesh.cell(cell).vertices) touched.push_back(vertex.index());
+  };
+  for (const CellId cell : change.changed_cells) touch(cell);
+  for (const NewCell& cell : change.new_cells) touch(cell.cell);
+  iteration_.follow(added, touched);
+}
+
 bool ImplicitEuler::iterates(Assembly& assembly) const {
   return solver_config_.kind != SolverKind::kDirect && assembly.corotatedBody() != nullptr;
 }

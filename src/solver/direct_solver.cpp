@@ -247,6 +247,8 @@ SolveStatus DirectSolver::analyse(const BlockPattern& pattern, const std::vector
   };
   if (s.ordering != Ordering::kUndecided) return analyse_by(s.ordering) ? SolveStatus::kSolved : s.failure();
   if (!analyse_by(Ordering::kMinimumDegree)) return s.failure();
+  constexpr int kFewVertices = 1000;  // their factor takes less time than dissection
+  if (s.num_free <= kFewVertices) return SolveStatus::kSolved;
   const double operations = s.common.fl;
   Factor by_degree = std::move(s.factor);
   if (analyse_by(Ordering::kNestedDissection) && s.common.fl < kWorthDissection * operations) {

@@ -13,7 +13,6 @@
 #include "polyscalpel/solver/aggregates.hpp"
 #include "polyscalpel/solver/block_jacobi.hpp"
 #include "polyscalpel/solver/conjugate_gradients.hpp"
-#include "polyscalpel/solver/turned_factor.hpp"
 
 namespace polyscalpel {
 
@@ -23,6 +22,8 @@ namespace {
 constexpr std::size_t kFewVertices = 6000;
 /// Where stiffness is less than this many times the mass in the matrix, diagonal blocks need few iterations.
 constexpr double kMildStiffness = 4;
+/// A patch of more than this part of the vertices costs as much as it saves.
+constexpr double kLargestPatch = 0.35;
 /// A tolerance that single precision reaches.
 constexpr double kSingleTolerance = 1e-6;
 
@@ -59,8 +60,9 @@ double stiffnessOverMass(const RowPattern& pattern, const DifferenceMatrix<doubl
 struct StepSolver::Impl {
   SolverConfig config;
   bool is_restarted = true;
-  bool is_first = true;  // nothing has been cut yet
-  int steps_since_restart = 0;
+  bool is_cut = false;    // since the last solve
+  bool is_stale = false;  // the factor is of the body before a cut, or there is none
+  int steps_since_cut = 0;
   SolverKind kind = SolverKind::kAuto;  // what the config or the choice says
   std::string reason;
 
@@ -68,6 +70,7 @@ struct StepSolver::Impl {
   DifferenceMatrix<double> rest_matrix;
   std::optional<TurnedFactor> factor;
   std::future<MadeFactor> next_factor;
+  std::vector<bool> next_fixed;
   std::optional<AggregatePreconditioner> aggregates;
   BlockJacobi jacobi;
   std::vector<float> rotations;
@@ -93,12 +96,17 @@ struct StepSolver::Impl {
   explicit Impl(const SolverConfig& given) : config(given) { validate(config); }
 
   void choose(StepSystem& system);
+  void takeBody(StepSystem& system);
   void prepare(StepSystem& system);
+  void dropNextFactor();
+  void refresh(StepSystem& system);
+  template <class Scalar>
+  void update(StepSystem& system, Lane<Scalar>& lane, Preconditioner& chosen);
   Preconditioner& preconditioner(StepSystem& system, SolverReport& report);
   template <class Scalar>
   void startFromEarlier(const StepSystem& system, Lane<Scalar>& lane);
   template <class Scalar>
-  bool iterate(StepSystem& system, Lane<Scalar>& lane, const Eigen::Matrix3Xd& b, bool assembles,
+  bool iterate(StepSystem& system, Lane<Scalar>& lane, const Eigen::Matrix3Xd& b,
                std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x, SolverReport& report,
                SolveResult& result);
   SolveResult solveDirectly(StepSystem& system, const Eigen::Matrix3Xd& b, Eigen::Matrix3Xd& x);
@@ -124,25 +132,60 @@ void StepSolver::Impl::choose(StepSystem& system) {
   }
 }
 
-// What depends on the pattern and on which vertices move.
-void StepSolver::Impl::prepare(StepSystem& system) {
-  is_restarted = false;
-  steps_since_restart = 0;
+void StepSolver::Impl::takeBody(StepSystem& system) {
   fixed.assign(system.pattern().numVertices(), true);
   for (const int i : system.movable()) fixed[i] = false;
   system.assembleAtRest(rest_matrix);
-  choose(system);
+}
+
+// What depends on the pattern and on which vertices move.
+void StepSolver::Impl::prepare(StepSystem& system) {
+  dropNextFactor();
   factor.reset();
-  if (next_factor.valid()) next_factor.wait();
-  next_factor = {};
   aggregates.reset();
   solutions.clear();
   is_direct_analysed = false;
-  if (kind == SolverKind::kFactor && is_first) {
+  takeBody(system);
+  if (is_restarted || kind != SolverKind::kFactor) choose(system);
+  if (is_restarted && kind == SolverKind::kFactor) {
     MadeFactor made = makeFactor(system.pattern(), rest_matrix, fixed);
-    if (made.status == SolveStatus::kSolved) factor.emplace(std::move(made.factor));
+    if (made.status == SolveStatus::kSolved) {
+      factor.emplace(std::move(made.factor), fixed);
+    } else {
+      kind = SolverKind::kAggregates;
+      reason = std::string("of the rest shape's factor, ") + toString(made.status);
+    }
   }
-  is_first = false;
+  is_stale = kind == SolverKind::kFactor && !factor;
+  is_restarted = is_cut = false;
+  steps_since_cut = 0;
+}
+
+void StepSolver::Impl::dropNextFactor() {
+  if (next_factor.valid()) next_factor.wait();
+  next_factor = {};
+}
+
+// A factor of the cut body is begun and taken over at fixed steps, so that a machine's speed does not tell
+// which step has it.
+void StepSolver::Impl::refresh(StepSystem& system) {
+  ++steps_since_cut;
+  if (steps_since_cut == (config.refresh_after_steps + 1) / 2) {
+    takeBody(system);
+    next_fixed = fixed;
+    next_factor = std::async(std::launch::async, [rows = system.pattern(), matrix = rest_matrix,
+                                                  fixed = fixed] { return makeFactor(rows, matrix, fixed); });
+  }
+  if (steps_since_cut < config.refresh_after_steps || !next_factor.valid()) return;
+  MadeFactor made = next_factor.get();
+  is_stale = false;
+  if (made.status == SolveStatus::kSolved) {
+    factor.emplace(std::move(made.factor), next_fixed);
+  } else {
+    factor.reset();
+    kind = SolverKind::kAggregates;
+    reason = std::string("of the rest shape's factor, ") + toString(made.status);
+  }
 }
 
 Preconditioner& StepSolver::Impl::preconditioner(StepSystem& system, SolverReport& report) {
@@ -152,18 +195,32 @@ Preconditioner& StepSolver::Impl::preconditioner(StepSystem& system, SolverRepor
     aggregates.emplace();
     const SolveStatus status =
         aggregates->make(system.pattern(), rest_matrix, system.restPositions(), system.movable());
-    if (status != SolveStatus::kSolved) kind = SolverKind::kJacobi;
+    if (status != SolveStatus::kSolved) {
+      report.kind = kind = SolverKind::kJacobi;
+      reason = std::string("of the aggregates' factor, ") + toString(status);
+    }
   }
-  if (kind == SolverKind::kJacobi) report.kind = kind;
   if (report.kind != SolverKind::kJacobi) system.vertexRotations(rotations);
   switch (report.kind) {
     case SolverKind::kFactor:
-      factor->update(rotations, system.active());
       return *factor;
     case SolverKind::kAggregates:
       return *aggregates;
     default:
       return jacobi;
+  }
+}
+
+// The preconditioner learns of the matrix as it is now.
+template <class Scalar>
+void StepSolver::Impl::update(StepSystem& system, Lane<Scalar>& lane, Preconditioner& chosen) {
+  const std::vector<int>& active = system.active();
+  if (&chosen == &jacobi) jacobi.update(system.pattern(), lane.matrix, active, config.threads);
+  if (aggregates && &chosen == &*aggregates)
+    aggregates->update(system.pattern(), lane.matrix, active, rotations, config.threads);
+  if (factor && &chosen == &*factor) {
+    if (std::is_same_v<Scalar, double> && factor->patchSize() > 0) system.assemble(single.matrix);
+    factor->update(system.pattern(), single.matrix, rotations, active);
   }
 }
 
@@ -194,14 +251,12 @@ void StepSolver::Impl::startFromEarlier(const StepSystem& system, Lane<Scalar>& 
 // Whether it came to an end that will do.
 template <class Scalar>
 bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eigen::Matrix3Xd& b,
-                               bool assembles, std::chrono::steady_clock::time_point step_start,
-                               Eigen::Matrix3Xd& x, SolverReport& report, SolveResult& result) {
+                               std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x,
+                               SolverReport& report, SolveResult& result) {
   const std::vector<int>& active = system.active();
-  if (assembles) system.assemble(lane.matrix);
+  system.assemble(lane.matrix);
   Preconditioner& chosen = preconditioner(system, report);
-  if (&chosen == &jacobi) jacobi.update(system.pattern(), lane.matrix, active, config.threads);
-  if (aggregates && &chosen == &*aggregates)
-    aggregates->update(system.pattern(), lane.matrix, active, rotations, config.threads);
+  update(system, lane, chosen);
 
   // Of length one, so that single precision neither over- nor underflows.
   double square = 0;
@@ -279,25 +334,29 @@ void StepSolver::restart() {
   impl_->is_restarted = true;
 }
 
+void StepSolver::follow(const std::vector<AddedVertex>& added, const std::vector<int>& touched) {
+  Impl& s = *impl_;
+  if (s.is_restarted) return;
+  s.is_cut = true;
+  s.is_stale = s.kind == SolverKind::kFactor;
+  s.steps_since_cut = 0;
+  s.dropNextFactor();
+  s.is_direct_analysed = false;
+  s.solutions.clear();
+  if (!s.factor) return;
+  s.factor->follow(added, touched);
+  if (s.factor->patchSize() > kLargestPatch * s.factor->numVertices()) s.factor.reset();
+}
+
 SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, bool begins_step,
                               std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x,
                               SolverReport& report) {
   Impl& s = *impl_;
-  if (s.is_restarted) {
+  if (s.is_restarted || (s.is_cut && !s.factor)) {
     s.prepare(system);
-  } else if (begins_step && s.kind == SolverKind::kFactor && !s.factor) {
-    // Begun and taken over at fixed steps, so that a machine's speed does not tell which step has it.
-    ++s.steps_since_restart;
-    if (s.steps_since_restart == (s.config.refresh_after_steps + 1) / 2) {
-      s.next_factor =
-          std::async(std::launch::async, [rows = system.pattern(), matrix = s.rest_matrix, fixed = s.fixed] {
-            return makeFactor(rows, matrix, fixed);
-          });
-    }
-    if (s.steps_since_restart >= s.config.refresh_after_steps && s.next_factor.valid()) {
-      MadeFactor made = s.next_factor.get();
-      if (made.status == SolveStatus::kSolved) s.factor.emplace(std::move(made.factor));
-    }
+  } else if (begins_step && s.is_stale) {
+    s.is_cut = false;
+    s.refresh(system);
   }
   report.reason = s.reason;
   SolveResult result;
@@ -306,11 +365,11 @@ SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, boo
     const bool single = s.config.precision == Precision::kSingle ||
                         (s.config.precision == Precision::kAuto && finest >= kSingleTolerance);
     if (single) {
-      if (s.iterate(system, s.single, b, true, step_start, x, report, result)) return result;
+      if (s.iterate(system, s.single, b, step_start, x, report, result)) return result;
       ++report.fallbacks;
     }
     if (result.status != SolveStatus::kNotFinite) {
-      if (s.iterate(system, s.twofold, b, true, step_start, x, report, result)) return result;
+      if (s.iterate(system, s.twofold, b, step_start, x, report, result)) return result;
       ++report.fallbacks;
     }
     report.reason = "conjugate gradients failed";

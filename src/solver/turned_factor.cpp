@@ -1,14 +1,172 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polyscalpel/solver/turned_factor.hpp"
 
+#include <algorithm>
+#include <utility>
+
+#include "polyscalpel/core/checks.hpp"
 #include "vertex_turns.hpp"
 
 namespace polyscalpel {
 
+TurnedFactor::TurnedFactor(SingleFactor factor, const std::vector<bool>& fixed)
+    : factor_(std::move(factor)), num_vertices_(static_cast<int>(fixed.size())), first_share_(1, 0) {
+  for (int i = 0; i < num_vertices_; ++i) {
+    if (fixed[i]) fixed_.push_back(i);
+  }
+  coarse_.assign(3 * fixed.size(), 0.0F);
+}
+
+void TurnedFactor::follow(const std::vector<AddedVertex>& added, const std::vector<int>& touched) {
+  for (const AddedVertex& vertex : added) {
+    POLYSCALPEL_ASSERT(vertex.vertex == num_vertices_ + static_cast<int>(first_share_.size()) - 1);
+    std::vector<Share> shares;
+    const auto add = [&](int of, double weight) {
+      const auto known =
+          std::find_if(shares.begin(), shares.end(), [&](const Share& share) { return share.vertex == of; });
+      if (known != shares.end()) {
+        known->weight += static_cast<float>(weight);
+      } else {
+        shares.push_back({of, static_cast<float>(weight)});
+      }
+    };
+    for (int side = 0; side < 2; ++side) {
+      const double weight = side == 0 ? 1 - vertex.weight : vertex.weight;
+      const int parent = vertex.parents[side];
+      if (weight == 0) continue;
+      if (parent < num_vertices_) {
+        add(parent, weight);
+      } else {
+        const int k = parent - num_vertices_;
+        for (int s = first_share_[k]; s < first_share_[k + 1]; ++s)
+          add(shares_[s].vertex, weight * shares_[s].weight);
+      }
+    }
+    shares_.insert(shares_.end(), shares.begin(), shares.end());
+    first_share_.push_back(static_cast<int>(shares_.size()));
+  }
+  patch_.insert(patch_.end(), touched.begin(), touched.end());
+  std::sort(patch_.begin(), patch_.end());
+  patch_.erase(std::unique(patch_.begin(), patch_.end()), patch_.end());
+  is_patch_factored_ = false;
+}
+
+SolveStatus TurnedFactor::update(const RowPattern& pattern, const DifferenceMatrix<float>& matrix,
+                                 const std::vector<float>& rotations, const std::vector<int>& active) {
+  pattern_ = &pattern;
+  matrix_ = &matrix;
+  rotations_ = rotations.data();
+  active_ = &active;
+  return is_patch_factored_ ? SolveStatus::kSolved : factorPatch();
+}
+
+SolveStatus TurnedFactor::factorPatch() {
+  is_patch_factored_ = true;
+  patch_active_.clear();
+  std::set_intersection(patch_.begin(), patch_.end(), active_->begin(), active_->end(),
+                        std::back_inserter(patch_active_));
+  std::vector<int> place(pattern_->numVertices(), -1);
+  for (std::size_t k = 0; k < patch_active_.size(); ++k) place[patch_active_[k]] = static_cast<int>(k);
+  BlockPattern pattern;
+  Blocks blocks;
+  beside_ = patch_active_;
+  patch_rotations_.resize(9 * patch_active_.size());
+  for (std::size_t k = 0; k < patch_active_.size(); ++k) {
+    const int i = patch_active_[k];
+    std::copy(rotations_ + 9 * i, rotations_ + 9 * (i + 1), &patch_rotations_[9 * k]);
+    pattern.row.push_back(static_cast<int>(k));
+    blocks.push_back(diagonalBlock(*pattern_, *matrix_, i));
+    const RowPattern::Row& row = pattern_->rows[i];
+    for (int entry = row.first; entry < row.first + row.count; ++entry) {
+      const int other = place[pattern_->column[entry]];
+      if (other < 0) beside_.push_back(pattern_->column[entry]);
+      if (other <= static_cast<int>(k)) continue;
+      pattern.row.push_back(other);
+      blocks.push_back(
+          Eigen::Map<const Eigen::Matrix3f>(&matrix_->blocks[9 * static_cast<std::size_t>(entry)])
+              .transpose()
+              .cast<double>());
+    }
+    pattern.column_start.push_back(pattern.numBlocks());
+  }
+  std::sort(beside_.begin(), beside_.end());
+  beside_.erase(std::unique(beside_.begin(), beside_.end()), beside_.end());
+  patch_values_.assign(3 * patch_active_.size(), 0.0F);
+  moved_.assign(paddedSize(pattern_->numVertices()), 0.0F);
+  left_.assign(paddedSize(pattern_->numVertices()), 0.0F);
+  if (patch_active_.empty()) return SolveStatus::kSolved;
+  return patch_factor_.factorise(pattern, blocks, std::vector<bool>(patch_active_.size(), false));
+}
+
+// result += R P A_0^-1 P^T R^T residual.
+void TurnedFactor::addCoarse(const float* residual, float* result) {
+  std::fill(coarse_.begin(), coarse_.end(), 0.0F);
+  for (const int i : *active_) {
+    float r[3];
+    turnBack(rotations_ + 9 * i, residual + 3 * i, r);
+    if (i < num_vertices_) {
+      for (int c = 0; c < 3; ++c) coarse_[3 * i + c] += r[c];
+      continue;
+    }
+    const int k = i - num_vertices_;
+    for (int s = first_share_[k]; s < first_share_[k + 1]; ++s) {
+      for (int c = 0; c < 3; ++c) coarse_[3 * shares_[s].vertex + c] += shares_[s].weight * r[c];
+    }
+  }
+  factor_.solve(coarse_.data());
+  for (const int i : fixed_) {
+    for (int c = 0; c < 3; ++c) coarse_[3 * i + c] = 0;
+  }
+  for (const int i : *active_) {
+    float z[3] = {0, 0, 0};
+    if (i < num_vertices_) {
+      for (int c = 0; c < 3; ++c) z[c] = coarse_[3 * i + c];
+    } else {
+      const int k = i - num_vertices_;
+      for (int s = first_share_[k]; s < first_share_[k + 1]; ++s) {
+        for (int c = 0; c < 3; ++c) z[c] += shares_[s].weight * coarse_[3 * shares_[s].vertex + c];
+      }
+    }
+    turn(rotations_ + 9 * i, z, z);
+    for (int c = 0; c < 3; ++c) result[3 * i + c] += z[c];
+  }
+}
+
+// result += S residual, S turned from the patch's rotations then to those of now.
+void TurnedFactor::addPatch(const float* residual, float* result) {
+  for (std::size_t k = 0; k < patch_active_.size(); ++k) {
+    const int i = patch_active_[k];
+    float r[3];
+    turnBack(rotations_ + 9 * i, residual + 3 * i, r);
+    turn(&patch_rotations_[9 * k], r, &patch_values_[3 * k]);
+  }
+  patch_factor_.solve(patch_values_.data());
+  for (std::size_t k = 0; k < patch_active_.size(); ++k) {
+    const int i = patch_active_[k];
+    float z[3];
+    turnBack(&patch_rotations_[9 * k], &patch_values_[3 * k], z);
+    turn(rotations_ + 9 * i, z, z);
+    for (int c = 0; c < 3; ++c) result[3 * i + c] += z[c];
+  }
+}
+
 void TurnedFactor::apply(const float* residual, float* result) {
-  for (const int i : *active_) turnBack(rotations_ + 9 * i, residual + 3 * i, result + 3 * i);
-  factor_.solve(result);
-  for (const int i : *active_) turn(rotations_ + 9 * i, result + 3 * i, result + 3 * i);
+  for (const int i : *active_) {
+    for (int c = 0; c < 3; ++c) result[3 * i + c] = 0;
+  }
+  if (patch_active_.empty()) return addCoarse(residual, result);
+  addPatch(residual, result);
+  std::copy(residual, residual + left_.size(), left_.begin());
+  multiply(*pattern_, *matrix_, beside_, result, moved_.data());
+  for (const int i : beside_) {
+    for (int c = 0; c < 3; ++c) left_[3 * i + c] -= moved_[3 * i + c];
+  }
+  addCoarse(left_.data(), result);
+  multiply(*pattern_, *matrix_, patch_active_, result, moved_.data());
+  for (const int i : patch_active_) {
+    for (int c = 0; c < 3; ++c) left_[3 * i + c] = residual[3 * i + c] - moved_[3 * i + c];
+  }
+  addPatch(left_.data(), result);
 }
 
 }  // namespace polyscalpel

@@ -45,6 +45,8 @@ class ImplicitEuler {
 
   /// To be called before the first step and whenever the pattern or the fixed vertices have changed.
   void restart();
+  /// Instead of restart() after a cut. mesh: as it is after the change.
+  void follow(const PolyhedralMesh& mesh, const MeshChange& change);
 
   static SolverConfig factorInEveryStep() {
     SolverConfig config;

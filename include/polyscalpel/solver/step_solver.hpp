@@ -11,6 +11,7 @@
 #include "polyscalpel/solver/direct_solver.hpp"
 #include "polyscalpel/solver/solver_config.hpp"
 #include "polyscalpel/solver/solver_report.hpp"
+#include "polyscalpel/solver/turned_factor.hpp"
 
 namespace polyscalpel {
 
@@ -45,6 +46,9 @@ class StepSolver {
 
   /// To be called before the first step and whenever the pattern or the movable vertices have changed.
   void restart();
+  /// To be called instead of restart() after a cut, so that what was made for the uncut body serves on:
+  /// vertices that were added, ascending, and the vertices of all cells that the cut made or changed.
+  void follow(const std::vector<AddedVertex>& added, const std::vector<int>& touched);
 
   /// x = A^-1 b, 3 x n; zero at vertices that are not active. begins_step: false where contacts alone have
   /// changed since the last solve. step_start: when the step began, for its budget.

@@ -1,28 +1,78 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <vector>
 
+#include "polyscalpel/core/difference_matrix.hpp"
 #include "polyscalpel/solver/preconditioner.hpp"
 #include "polyscalpel/solver/single_factor.hpp"
 
 namespace polyscalpel {
 
+/// A vertex that came after others: a quantity at it is (1 - weight) value(parents[0]) + weight
+/// value(parents[1]).
+struct AddedVertex {
+  int vertex = 0;
+  std::array<int, 2> parents = {0, 0};
+  double weight = 0;
+};
+
 /// R A_0^-1 R^T, A_0 the matrix in the rest shape and R the rotation of each vertex: a corotated matrix is
 /// near R A_0 R^T, however far the body has bent, so a handful of iterations is left (60 without R on a beam
 /// that has swung down).
+///
+/// After a cut the factor stays what it was. The space of the uncut body lies in that of the cut one, new
+/// vertices following their parents by P; what the crack adds is solved for exactly in a patch, the vertices
+/// of all cells that the cuts have touched:
+///
+///   z_1 = S r,  z_2 = z_1 + R P A_0^-1 P^T R^T (r - A z_1),  z = z_2 + S (r - A z_2),
+///
+/// S the inverse of the patch's own part of A as it was after the last cut, turned as its vertices have
+/// since.
 class TurnedFactor final : public Preconditioner {
  public:
-  explicit TurnedFactor(SingleFactor factor) : factor_(std::move(factor)) {}
-  /// rotations: 9 a vertex, column by column; active: ascending. Both must live on.
-  void update(const std::vector<float>& rotations, const std::vector<int>& active) {
-    rotations_ = rotations.data();
-    active_ = &active;
-  }
+  /// factor: of a matrix of so many vertices. fixed: one flag for each.
+  TurnedFactor(SingleFactor factor, const std::vector<bool>& fixed);
+
+  /// Follows a cut: added vertices in ascending order, and the vertices of all cells that it made or changed.
+  void follow(const std::vector<AddedVertex>& added, const std::vector<int>& touched);
+  /// Vertices that follow() has been told of, and those that the factor is of.
+  int patchSize() const { return static_cast<int>(patch_.size()); }
+  int numVertices() const { return num_vertices_; }
+
+  /// rotations: 9 a vertex, column by column; active: ascending. All arguments must live on. The first one
+  /// after a cut factors the patch.
+  SolveStatus update(const RowPattern& pattern, const DifferenceMatrix<float>& matrix,
+                     const std::vector<float>& rotations, const std::vector<int>& active);
   void apply(const float* residual, float* result) override;
 
  private:
+  struct Share {
+    int vertex = 0;  // of the factor's
+    float weight = 0;
+  };
+  SolveStatus factorPatch();
+  void addCoarse(const float* residual, float* result);
+  void addPatch(const float* residual, float* result);
+
   SingleFactor factor_;
+  int num_vertices_;              // of the factor
+  std::vector<int> fixed_;        // of these
+  std::vector<int> first_share_;  // of each vertex beyond them, and one more
+  std::vector<Share> shares_;     // P
+  std::vector<float> coarse_;     // 3 a vertex of the factor
+
+  std::vector<int> patch_;  // ascending
+  bool is_patch_factored_ = true;
+  SingleFactor patch_factor_;
+  std::vector<int> patch_active_;       // of these, those in its factor
+  std::vector<int> beside_;             // rows that feel the patch
+  std::vector<float> patch_rotations_;  // 9 a vertex of patch_active_, when it was factored
+  std::vector<float> patch_values_, moved_, left_;
+
+  const RowPattern* pattern_ = nullptr;
+  const DifferenceMatrix<float>* matrix_ = nullptr;
   const float* rotations_ = nullptr;
   const std::vector<int>* active_ = nullptr;
 };
