@@ -320,11 +320,7 @@ std::vector<Hit> findHits(const PolyhedralMesh& mesh, const CellTree& tree, cons
   const Matrix3Xd& corners = polygon.corners_world;
   std::vector<Hit> hits;
   const AlignedBox3d reach = boxOf(corners);
-  Vector3d normal = Vector3d::Zero();
-  for (int i = 1; i + 1 < corners.cols(); ++i) {
-    normal += Vector3d(corners.col(i) - corners.col(0)).cross(corners.col(i + 1) - corners.col(0));
-  }
-  Slab slab(corners.col(0), normal.stableNormalized());
+  Slab slab(corners.col(0), polygon.areaVector().stableNormalized());
   for (int i = 1; i < corners.cols(); ++i) slab.extend(corners.col(i));
   const auto is_near = [&](const AlignedBox3d& box) { return reach.intersects(box) && slab.meets(box); };
   for (const Edge& edge : edgesNear(mesh, tree, positions, positions, is_near)) {

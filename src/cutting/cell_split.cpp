@@ -40,6 +40,11 @@ bool CellSplit::findBorder() {
   return splitCrossedEdges() && splitFaces() && findCap();
 }
 
+bool CellSplit::leavesNeighboursSound() const {
+  return std::all_of(touched_.begin(), touched_.end(),
+                     [&](CellId id) { return id == cell_ || isSound(mesh(), id); });
+}
+
 bool CellSplit::divide(int cut, const BorderSides* sides) {
   std::vector<int> sides_of_loop;
   if (sides) {

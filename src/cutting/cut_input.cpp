@@ -77,15 +77,14 @@ void validate(const PolygonCut& polygon) {
   requireInReach("polygon corners", corners);
   const Vector3d centre = corners.rowwise().mean();
   const double extent = (corners.colwise() - centre).colwise().norm().maxCoeff();
-  Vector3d normal = Vector3d::Zero();  // M. E. Newell's: twice the area vector
   for (int i = 0; i < n; ++i) {
     const Vector3d a = corners.col(i) - centre, b = corners.col((i + 1) % n) - centre;
     if ((b - a).norm() <= 1e-12 * extent || extent == 0) {
       throw std::invalid_argument("polygon: corners " + std::to_string(i) + " and " +
                                   std::to_string((i + 1) % n) + " coincide");
     }
-    normal += a.cross(b);
   }
+  Vector3d normal = 2 * polygon.areaVector();
   if (!(normal.norm() > 1e-9 * extent * extent)) {
     throw std::invalid_argument("polygon: its corners lie on a line or its outline crosses itself");
   }

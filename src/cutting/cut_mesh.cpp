@@ -29,6 +29,9 @@ constexpr double kLatePart = 1.0 / 16;
 /// A stroke goes on from a slit's front that is no further from the blade where it starts, in snap distances:
 /// of two, one is the slit's sheet off its blade, and the other the front.
 constexpr double kTakeUpDistance = 2;
+/// Snap tolerance along the blade where it stands, as part of the cut's: a nick little deeper than the snap
+/// distance is to open.
+constexpr double kNickSnap = 0.5;
 /// Travel, in localSize, over which the direction of the blade is taken.
 constexpr double kSteadyTravel = 0.1;
 
@@ -133,9 +136,9 @@ class CutTransaction {
     return change;
   }
 
-  /// Divides the cells in which the blade stands; positions get the new vertices.
-  void close(Matrix3Xd& positions, const BladeFront& front) {
-    closeFront(editor_, tree_, crossings_, positions, front, config_.snap_tolerance);
+  /// Divides the cells in which the blade's surface ends; positions get the new vertices.
+  void close(Matrix3Xd& positions, const std::vector<FrontSegment>& front, double surface_snap) {
+    closeFront(editor_, tree_, crossings_, positions, front, config_.snap_tolerance, surface_snap);
   }
 
   /// Cells that could not be split, of all rounds.
@@ -168,6 +171,15 @@ class CutTransaction {
 };
 
 }  // namespace
+
+Eigen::Vector3d PolygonCut::areaVector() const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (Eigen::Index i = 1; i + 1 < corners_world.cols(); ++i) {
+    const Eigen::Vector3d first = corners_world.col(i) - corners_world.col(0);
+    sum += 0.5 * first.cross(corners_world.col(i + 1) - corners_world.col(0));
+  }
+  return sum;
+}
 
 struct BladeCut::Impl {
   Matrix3Xd edge_tool;
@@ -258,7 +270,7 @@ struct BladeCut::Impl {
   /// Splits whatever the blade has passed, up to where it stands. moved: positions, which get the vertices
   /// that closing the front makes. Returns what the splits after that changed.
   MeshChange splitToFront(CutTransaction& transaction, Matrix3Xd& moved) {
-    if (front) transaction.close(moved, *front);
+    if (front) transaction.close(moved, makeFront(*front), kNickSnap * config.snap_tolerance);
     return splitAll(transaction);
   }
 
@@ -403,10 +415,18 @@ CutResult cutOnce(MeshTransaction& whole, Matrix3Xd& moved, const CutOperation& 
       if (has_left) stroke.forget();
     }
     if (!has_left) follow(stroke.splitToFront(transaction, moved));
+  } else if (const auto* polygon = std::get_if<PolygonCut>(&operation)) {
+    // The parts of divided cells are then searched as all others: of their new edges, those in the border
+    // alone are remembered as it is closed, and others may lie beyond a corner that points inwards. Both are
+    // snapped alike, so that the slits of two polygons meet where their borders do.
+    const std::vector<FrontSegment> border = makeFront(*polygon);
+    transaction.close(moved, border, config.snap_tolerance);
+    transaction.remember(findHits(mesh, transaction.tree(), moved, *polygon));
+    const std::unordered_set<CellId> beyond =
+        cellsBeyond(mesh, transaction.tree(), stroke.crossings, moved, border, config.snap_tolerance);
+    follow(transaction.split([&](CellId id) { return beyond.count(id) == 0; }));
   } else {
-    transaction.remember(std::holds_alternative<PlaneCut>(operation)
-                             ? findHits(mesh, transaction.tree(), moved, std::get<PlaneCut>(operation))
-                             : findHits(mesh, transaction.tree(), moved, std::get<PolygonCut>(operation)));
+    transaction.remember(findHits(mesh, transaction.tree(), moved, std::get<PlaneCut>(operation)));
     follow(transaction.split(isAlwaysReady));
   }
   return transaction.finish(true);
@@ -422,11 +442,11 @@ CutResult cutMesh(PolyhedralMesh& mesh, const Positions& positions,
   std::optional<MeshIndex> own_index;
   if (!given_index) own_index.emplace(mesh);
   MeshIndex& index = given_index ? *given_index : *own_index;
-  // Many searches: a tree pays.
-  const bool sweeps = std::any_of(operations.begin(), operations.end(), [](const CutOperation& operation) {
-    return std::holds_alternative<SweepCut>(operation);
+  // Many searches, of a sweep's steps and of a polygon's sides: a tree pays.
+  const bool searches = std::any_of(operations.begin(), operations.end(), [](const CutOperation& operation) {
+    return !std::holds_alternative<PlaneCut>(operation);
   });
-  if (sweeps && index.tree.isEmpty()) index.tree.fit(mesh, positions);
+  if (searches && index.tree.isEmpty()) index.tree.fit(mesh, positions);
 
   MeshTransaction whole(mesh, index);
   Matrix3Xd moved = positions;

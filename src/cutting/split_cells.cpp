@@ -26,6 +26,9 @@ namespace {
 constexpr std::size_t kMostAbsorbed = 4;  ///< vertices of a thin component that may join the cut
 constexpr double kAbsorbDistance = 2;     ///< how far they may be from it, in snap distances
 
+/// Vertices that an edge has got are in line with its ends within this times localSize: rounding.
+constexpr double kInLine = 1e-9;
+
 /// How often a cell that cannot be split soundly is divided first.
 constexpr int kMostDivisions = 3;
 /// Snap tolerance of the dividing plane, as part of that of the cut: such cells are small already.
@@ -164,6 +167,7 @@ class Splitter {
   /// Splits a cell in two by what counts as crossed of it.
   Outcome splitAsCrossed(CellId cell, std::vector<CellId>& parts) {
     auto components = findComponents(mesh(), crossings_, cell);
+    while (absorbInLine(cell, components)) components = findComponents(mesh(), crossings_, cell);
     bool is_split = splitOff(cell, components, parts);
     while (
         !is_split && components.size() > 1 &&
@@ -278,7 +282,7 @@ class Splitter {
                 int depth) {
     const std::size_t savepoint = editor_.savepoint();
     CellSplit split(editor_, crossings_, cell, component);
-    if (!split.findBorder() || hasDoubledEdge(cell)) {
+    if (!split.findBorder() || !split.leavesNeighboursSound() || hasDoubledEdge(cell)) {
       editor_.rollBackTo(savepoint);
       return false;
     }
@@ -367,6 +371,30 @@ class Splitter {
   /// Whether a component could join the cut: none of it lies on the cut already, for other cells.
   bool canJoin(const std::vector<VertexId>& component) const {
     return std::all_of(component.begin(), component.end(), [&](VertexId v) { return crossings_.canJoin(v); });
+  }
+
+  /// Lets a vertex join the cut that hangs in an edge between two corners of the cut, in line with them,
+  /// before it is split off as a sliver: the edge lies in the slit. Returns whether there was one.
+  bool absorbInLine(CellId cell, const std::vector<std::vector<VertexId>>& components) {
+    for (const auto& component : components) {
+      if (component.size() > 1) break;  // ascending sizes
+      const VertexId v = component.front();
+      if (!canJoin(component)) continue;
+      boost::container::small_vector<VertexId, 8> around;
+      mesh().forEachEdge(cell, [&](VertexId a, VertexId b) {
+        if (a == v || b == v) around.push_back(a == v ? b : a);
+      });
+      if (around.size() != 2 || !crossings_.isSnapped(cell, around[0]) ||
+          !crossings_.isSnapped(cell, around[1]))
+        continue;
+      const Eigen::Vector3d from = mesh().restPosition(around[0]);
+      const Eigen::Vector3d along = (mesh().restPosition(around[1]) - from).normalized();
+      if (along.cross(mesh().restPosition(v) - from).norm() > kInLine * mesh().localSize(v)) continue;
+      const int side = crossings_.sideOfNeighbour(around[0], v);
+      crossings_.snap(mesh(), v, side != 0 ? side : crossings_.sideOfNeighbour(around[1], v), cell);
+      return true;
+    }
+    return false;
   }
 
   /// Lets the first component join the cut that consists of vertices hanging in an edge between two corners

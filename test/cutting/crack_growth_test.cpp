@@ -31,7 +31,7 @@ PolyhedralMesh plate(bool tetrahedra, double height) {
       tetrahedra ? makeTetBox(Vector3d::Zero(), size, counts) : makeHexBox(Vector3d::Zero(), size, counts);
   PolygonCut notch;
   notch.corners_world.resize(3, 4);
-  notch.corners_world << -1, 3.2, 3.2, -1, -1, -1, 3, 3, height, height, height, height;
+  notch.corners_world << -1, 3, 3, -1, -1, -1, 3, 3, height, height, height, height;
   EXPECT_EQ(cutMesh(mesh, Matrix3Xd(mesh.restPositions()), notch, {}, 1).status, CutStatus::kCut);
   return mesh;
 }

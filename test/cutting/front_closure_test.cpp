@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "polyscalpel/cutting/cut_mesh.hpp"
-#include "polyscalpel/geometry/triangle.hpp"
 #include "polyscalpel/mesh/mesh_checks.hpp"
 #include "polyscalpel/mesh/surface.hpp"
+#include "support/slit_distance.hpp"
 #include "support/unit_cube.hpp"
 
 namespace polyscalpel {
@@ -20,20 +20,6 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
 constexpr double kH = 0.2;  // of the meshes below [m]
-
-/// Distance from a point to the nearest face that a cut has opened [m].
-double distanceToSlit(const PolyhedralMesh& mesh, const Vector3d& point) {
-  double nearest = 1e9;
-  for (int i = 0; i < mesh.faceCapacity(); ++i) {
-    const Face& face = mesh.face(FaceId(i));
-    if (!face.isAlive() || !face.isBoundary() || face.cut == 0) continue;
-    for (int k = 0; k < numTriangles(face); ++k) {
-      const Eigen::Matrix3d corners = triangleCorners(face, k, mesh.restPositions());
-      nearest = std::min(nearest, std::sqrt(closestPointOnTriangle(point, corners).squared_distance));
-    }
-  }
-  return nearest;
-}
 
 /// Largest distance from points of the blade within the unit cube, but for those nearer than `leave_out` to
 /// its ends, to the slit [m].

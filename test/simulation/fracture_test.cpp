@@ -55,7 +55,7 @@ SimulationConfig plateScene(bool tetrahedra, int axis = 2, double gravity = 9.81
 void notch(Simulation& simulation, int axis = 2) {
   PolygonCut cut;
   cut.corners_world.resize(3, 4);
-  const double ends[2] = {1.95 * kCell, 6.05 * kCell};
+  const double ends[2] = {2 * kCell, 6 * kCell};
   for (int i = 0; i < 4; ++i)
     cut.corners_world.col(i) = permuted(ends[i == 1 || i == 2], i < 2 ? -1 : 1, kNotchHeight, axis);
   ASSERT_EQ(simulation.cut(cut).status, CutStatus::kCut);

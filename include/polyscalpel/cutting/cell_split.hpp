@@ -32,6 +32,10 @@ class CellSplit {
   /// kSmallestRelativeSubTet.
   bool findBorder();
 
+  /// Whether the border has left the neighbours of the cell sound, which it has given vertices and chords. To
+  /// be asked where the cell is divided otherwise: divide() does so itself.
+  bool leavesNeighboursSound() const;
+
   /// Divides the cell along the border found, and checks what has been touched. sides: of another border,
   /// which no edge of the cap may cross; nullptr: of none.
   bool divide(int cut, const BorderSides* sides = nullptr);

@@ -38,9 +38,13 @@ struct PlaneCut {
   Eigen::Vector3d normal_world = Eigen::Vector3d::UnitX();  ///< any length > 0
 };
 
-/// A finite flat blade: the inside of a simple planar polygon, in deformed space.
+/// A finite flat blade: the inside of a simple planar polygon, in deformed space. Where its border lies
+/// within the tissue, the slit reaches up to it.
 struct PolygonCut {
   Eigen::Matrix3Xd corners_world;  ///< 3 x k, k >= 3 [m], in order, either sense
+
+  /// Its area along its normal [m^2], to that side from which the corners run counter-clockwise.
+  Eigen::Vector3d areaVector() const;
 };
 
 /// The ruled surface swept by a polyline blade edge through the given positions, in deformed space, tissue
