@@ -6,85 +6,16 @@
 #include <stdexcept>
 
 #include <gtest/gtest.h>
-#include <Eigen/Geometry>
 
 #include "polyscalpel/cutting/cut_mesh.hpp"
-#include "polyscalpel/elements/corotation.hpp"
-#include "polyscalpel/mesh/mesh_generation.hpp"
 #include "polyscalpel/mesh/surface.hpp"
+#include "support/dense_matrices.hpp"
+#include "support/small_bodies.hpp"
 
 namespace polyscalpel {
 namespace {
 
 const IsotropicMaterial kMaterial{2e4, 0.4, 1100};
-
-PolyhedralMesh makeTets() {
-  return makeTetBox({0, 0, 0}, {0.2, 0.1, 0.1}, {4, 2, 2});
-}
-PolyhedralMesh makeHexes() {
-  return makeHexBox({0, 0, 0}, {0.2, 0.1, 0.1}, {4, 2, 2});
-}
-
-/// A mesh of general polyhedra, and what the oblique cut that made it changed.
-PolyhedralMesh makePolyhedra(MeshChange* change = nullptr) {
-  PolyhedralMesh mesh = makeHexes();
-  const PlaneCut plane{{0.093, 0.052, 0.047}, {1, 0.4, 0.3}};
-  const CutResult result = cutMesh(mesh, mesh.restPositions(), plane, CuttingConfig(), 1);
-  EXPECT_EQ(result.status, CutStatus::kCut) << result.message;
-  if (change) *change = result.change;
-  return mesh;
-}
-
-Eigen::Matrix3Xd shake(const PolyhedralMesh& mesh, double amplitude, unsigned seed) {
-  std::mt19937 engine(seed);
-  std::uniform_real_distribution<double> uniform(-amplitude, amplitude);
-  Eigen::Matrix3Xd positions = mesh.restPositions();
-  for (double& coordinate : positions.reshaped()) coordinate += uniform(engine);
-  return positions;
-}
-
-Eigen::Matrix3d someRotation() {
-  return Eigen::AngleAxisd(2.3, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
-}
-
-// Plain stiffness warping: f = sum R K (R^T x - X) and its matrix sum R K R^T, cell by cell and dense,
-// straight from the element's matrices.
-void assembleDense(const PolyhedralMesh& mesh, const ElementConfig& config, const Eigen::Matrix3Xd& positions,
-                   Eigen::MatrixXd& matrix, Eigen::VectorXd& forces) {
-  matrix.setZero(3 * mesh.numVertices(), 3 * mesh.numVertices());
-  forces.setZero(3 * mesh.numVertices());
-  for (const CellId id : mesh.cells()) {
-    const ElementMatrices element =
-        makeElementMatrices(makeCellSurface(mesh, id, mesh.restPositions()), kMaterial, config);
-    std::vector<int> vertices, dofs;
-    for (const VertexId vertex : mesh.cell(id).vertices) {
-      vertices.push_back(vertex.index());
-      for (int c = 0; c < 3; ++c) dofs.push_back(3 * vertex.index() + c);
-    }
-    const Eigen::Matrix3Xd x = positions(Eigen::all, vertices);
-    const Eigen::Matrix3Xd X = mesh.restPositions()(Eigen::all, vertices);
-    Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-    if (config.strain == Strain::kCorotated)
-      R = polarRotation(meanDeformationGradient(x, element.mean_gradient));
-    Eigen::MatrixXd rotation = Eigen::MatrixXd::Zero(dofs.size(), dofs.size());
-    for (std::size_t i = 0; i < vertices.size(); ++i) rotation.block<3, 3>(3 * i, 3 * i) = R;
-    const Eigen::Matrix3Xd u = R.transpose() * x - X;
-    const Eigen::MatrixXd K = stiffness(element, kMaterial);
-    matrix(dofs, dofs) += rotation * K * rotation.transpose();
-    forces(dofs) += rotation * (K * Eigen::VectorXd(u.reshaped()));
-  }
-}
-
-Eigen::MatrixXd toDense(const BlockPattern& pattern, const Blocks& blocks) {
-  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(3 * pattern.numVertices(), 3 * pattern.numVertices());
-  for (int column = 0; column < pattern.numVertices(); ++column) {
-    for (int k = pattern.column_start[column]; k < pattern.column_start[column + 1]; ++k) {
-      dense.block<3, 3>(3 * pattern.row[k], 3 * column) = blocks[k];
-      dense.block<3, 3>(3 * column, 3 * pattern.row[k]) = blocks[k].transpose();
-    }
-  }
-  return dense;
-}
 
 TEST(Assembly, SumsTheCellsMatricesAndForces) {
   for (const PolyhedralMesh& mesh : {makeTets(), makeHexes(), makePolyhedra()}) {
@@ -96,7 +27,7 @@ TEST(Assembly, SumsTheCellsMatricesAndForces) {
       const Eigen::Matrix3Xd positions = someRotation() * shake(mesh, 0.005, 1);
       Eigen::MatrixXd matrix;
       Eigen::VectorXd expected;
-      assembleDense(mesh, config, positions, matrix, expected);
+      assembleDense(mesh, kMaterial, config, positions, matrix, expected);
       assembly.linearise(positions);
       Blocks blocks;
       assembly.assemble(0, 1, blocks);
@@ -215,16 +146,9 @@ TEST(Assembly, FollowsManySmallCutsAsIfMadeAnew) {
   PolyhedralMesh mesh = makeTets();
   Assembly assembly(mesh, kMaterial, {}, 0);
   std::mt19937 engine(9);
-  std::uniform_real_distribution<double> uniform(0, 1);
   int num_cuts = 0;
   for (int i = 0; i < 30; ++i) {
-    const Eigen::Vector3d centre(0.2 * uniform(engine), 0.1 * uniform(engine), 0.1 * uniform(engine));
-    const Eigen::Matrix3d turn =
-        Eigen::Quaterniond(uniform(engine), uniform(engine), uniform(engine), 1).normalized().matrix();
-    PolygonCut square;
-    square.corners_world.resize(3, 4);
-    square.corners_world << -1, 1, 1, -1, -1, -1, 1, 1, 0, 0, 0, 0;
-    square.corners_world = ((0.04 * turn * square.corners_world).colwise() + centre).eval();
+    const PolygonCut square = someSquare(engine, {0.2, 0.1, 0.1}, 0.04);
     const CutResult result = cutMesh(mesh, mesh.restPositions(), square, CuttingConfig(), i + 1);
     if (result.status != CutStatus::kCut) continue;
     ++num_cuts;

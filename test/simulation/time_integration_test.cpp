@@ -5,20 +5,12 @@
 
 #include <Eigen/Geometry>
 
-#include "polyscalpel/cutting/cut_mesh.hpp"
-#include "polyscalpel/mesh/mesh_generation.hpp"
+#include "support/small_bodies.hpp"
 
 namespace polyscalpel {
 namespace {
 
 const IsotropicMaterial kMaterial{1e5, 0.4, 1000};
-
-PolyhedralMesh makePolyhedra() {
-  PolyhedralMesh mesh = makeHexBox({0, 0, 0}, {0.2, 0.1, 0.1}, {4, 2, 2});
-  const PlaneCut plane{{0.093, 0.052, 0.047}, {1, 0.4, 0.3}};
-  EXPECT_EQ(cutMesh(mesh, mesh.restPositions(), plane, CuttingConfig(), 1).status, CutStatus::kCut);
-  return mesh;
-}
 
 /// A contact in the middle of the first boundary face that satisfies `wanted`.
 template <class Predicate>

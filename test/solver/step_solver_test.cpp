@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polyscalpel/solver/step_solver.hpp"
+
+#include <functional>
+#include <limits>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "polyscalpel/mesh/surface.hpp"
+#include "support/body_system.hpp"
+#include "support/small_bodies.hpp"
+
+namespace polyscalpel {
+namespace {
+
+constexpr double kLength = 0.4;  // of the beams [m]
+
+Eigen::Matrix3Xd bentBeam(const PolyhedralMesh& mesh, double angle = 1.2) {
+  return shake(bend(mesh.restPositions(), kLength, angle), 1e-4, 1);
+}
+
+SolverConfig withKind(SolverKind kind, double tolerance = 1e-11, Precision precision = Precision::kDouble) {
+  SolverConfig config;
+  config.kind = kind;
+  config.tolerance = tolerance;
+  config.precision = precision;
+  config.max_iterations = 5000;
+  return config;
+}
+
+struct Solution {
+  SolveResult result;
+  SolverReport report;
+  Eigen::Matrix3Xd x;
+};
+
+Solution solve(StepSolver& solver, BodySystem& system, const Eigen::Matrix3Xd& b, bool begins_step = true) {
+  Solution solution;
+  solution.result =
+      solver.solve(system, b, begins_step, std::chrono::steady_clock::now(), solution.x, solution.report);
+  return solution;
+}
+
+void expectSolved(const Solution& solution, BodySystem& system, const Eigen::Matrix3Xd& b, double error) {
+  EXPECT_EQ(solution.result.status, SolveStatus::kSolved);
+  const Eigen::Matrix3Xd expected = solveByFactor(system, b);
+  EXPECT_LT((solution.x - expected).norm(), error * expected.norm());
+  const std::vector<bool> fixed = system.fixed();
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    if (fixed[i]) {
+      EXPECT_TRUE(solution.x.col(static_cast<int>(i)).isZero(0));
+    }
+  }
+}
+
+/// |A x - b| / |b| over the active vertices, in double precision.
+double residualOf(BodySystem& system, const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& b) {
+  DifferenceMatrix<double> matrix;
+  system.assemble(matrix);
+  const Eigen::VectorXd given = toPadded<double>(system, b), found = toPadded<double>(system, x);
+  Eigen::VectorXd product = Eigen::VectorXd::Zero(found.size());
+  multiply(system.pattern(), matrix, system.active(), found.data(), product.data());
+  return (product - given).norm() / given.norm();
+}
+
+constexpr SolverKind kIterativeKinds[] = {SolverKind::kJacobi, SolverKind::kFactor, SolverKind::kAggregates};
+
+TEST(StepSolver, EveryKindFindsTheSolution) {
+  const PolyhedralMesh mesh = makeTetBeam(4);
+  BodySystem system(mesh);
+  const Eigen::Matrix3Xd positions = shake(bend(mesh.restPositions(), kLength, 1.2), 0.014, 1);
+  int num_inverted = 0;
+  for (const CellId cell : mesh.cells()) num_inverted += volume(makeCellSurface(mesh, cell, positions)) < 0;
+  EXPECT_GT(num_inverted, 20);
+  system.linearise(positions);
+  const Eigen::Matrix3Xd b = someLoad(system, 2);
+  for (const SolverKind kind : {SolverKind::kDirect, SolverKind::kJacobi, SolverKind::kFactor,
+                                SolverKind::kAggregates, SolverKind::kAuto}) {
+    for (const bool single : {false, true}) {
+      StepSolver solver(
+          withKind(kind, single ? 1e-6 : 1e-11, single ? Precision::kSingle : Precision::kDouble));
+      const Solution solution = solve(solver, system, b);
+      SCOPED_TRACE(toString(kind) + std::string(single ? ", single" : ", double"));
+      expectSolved(solution, system, b, single ? 2e-5 : 1e-8);
+      EXPECT_EQ(solution.report.kind, kind == SolverKind::kAuto ? SolverKind::kFactor : kind);
+      EXPECT_FALSE(solution.report.reason.empty());
+      EXPECT_EQ(solution.report.fallbacks, 0);
+      EXPECT_FALSE(solution.report.budget_ended);
+      const bool iterates = kind != SolverKind::kDirect;
+      EXPECT_EQ(solution.report.is_single, single && iterates);
+      EXPECT_EQ(solution.report.iterations > 0, iterates);
+      EXPECT_EQ(solution.report.estimated_error > 0, iterates);
+    }
+  }
+}
+
+TEST(StepSolver, TheToldResidualIsTheTrueOneInDoublePrecision) {
+  const PolyhedralMesh mesh = makeTetBeam(4);
+  BodySystem system(mesh);
+  system.linearise(bentBeam(mesh));
+  const Eigen::Matrix3Xd b = someLoad(system, 3);
+  for (const SolverKind kind : kIterativeKinds) {
+    for (const double tolerance : {1e-3, 1e-6, 1e-10}) {
+      StepSolver solver(withKind(kind, tolerance));
+      const Solution solution = solve(solver, system, b);
+      const double residual = residualOf(system, solution.x, b);
+      EXPECT_LE(solution.result.relative_residual, tolerance);
+      EXPECT_NEAR(solution.result.relative_residual, residual, 1e-3 * residual) << toString(kind);
+    }
+  }
+}
+
+TEST(StepSolver, ChoosesByStepAndSize) {
+  const PolyhedralMesh small = makeTetBeam(2), large = makeTetBeam(12);
+  const auto chosen = [](const PolyhedralMesh& mesh, double step_s) {
+    BodySystem system(mesh, step_s);
+    StepSolver solver(SolverConfig{});
+    return solve(solver, system, someLoad(system, 3)).report;
+  };
+  EXPECT_EQ(chosen(small, 1.0 / 60).kind, SolverKind::kFactor);
+  EXPECT_EQ(chosen(small, 1e-4).kind, SolverKind::kJacobi);
+  EXPECT_EQ(chosen(large, 1.0 / 60).kind, SolverKind::kAggregates);
+  EXPECT_NE(chosen(small, 1.0 / 60).reason, chosen(small, 1e-4).reason);
+}
+
+TEST(StepSolver, ChoosesThePrecisionByWhatIsAskedFor) {
+  BodySystem system(makeTetBeam(2));
+  const Eigen::Matrix3Xd b = someLoad(system, 4);
+  const auto isSingle = [&](double tolerance, std::optional<double> error_target) {
+    SolverConfig config = withKind(SolverKind::kFactor, tolerance, Precision::kAuto);
+    config.error_target = error_target;
+    StepSolver solver(config);
+    return solve(solver, system, b).report.is_single;
+  };
+  EXPECT_TRUE(isSingle(1e-4, {}));
+  EXPECT_FALSE(isSingle(1e-9, {}));
+  EXPECT_TRUE(isSingle(1e-9, 1e-3));
+  EXPECT_FALSE(isSingle(1e-4, 1e-8));
+}
+
+void cutHalfThrough(PolyhedralMesh& mesh, BodySystem& system, double x, int cut) {
+  PolygonCut blade;
+  blade.corners_world.resize(3, 4);
+  blade.corners_world << x, x, x, x, -1, 1, 1, -1, 0.052, 0.052, 1, 1;
+  const CutResult result = cutMesh(mesh, mesh.restPositions(), blade, CuttingConfig(), cut);
+  ASSERT_EQ(result.status, CutStatus::kCut) << result.message;
+  system.follow(mesh, result.change);
+  system.linearise(bend(mesh.restPositions(), kLength, 0.8));
+}
+
+TEST(StepSolver, StartsAgainAfterACut) {
+  for (const SolverKind kind : kIterativeKinds) {
+    PolyhedralMesh mesh = makeTetBeam(4);
+    BodySystem system(mesh);
+    StepSolver solver(withKind(kind));
+    system.linearise(bentBeam(mesh));
+    for (int step = 0; step < 3; ++step) solve(solver, system, someLoad(system, 5));
+    for (int cut = 1; cut <= 3; ++cut) {
+      cutHalfThrough(mesh, system, 0.1 * cut + 0.003, cut);
+      solver.restart();
+      for (int step = 0; step < 3; ++step) {
+        const Eigen::Matrix3Xd b = someLoad(system, 6 + step);
+        expectSolved(solve(solver, system, b), system, b, 1e-8);
+      }
+    }
+  }
+}
+
+// The step at which a factor takes over does not depend on the machine's speed, nor on what came before.
+TEST(StepSolver, TheFactorIsMadeAnewSoManyStepsAfterACut) {
+  for (const int refresh : {1, 2, 3, 8}) {
+    PolyhedralMesh mesh = makeTetBeam(2);
+    BodySystem system(mesh);
+    SolverConfig config = withKind(SolverKind::kFactor, 1e-4, Precision::kAuto);
+    config.refresh_after_steps = refresh;
+    StepSolver solver(config);
+    EXPECT_EQ(solve(solver, system, someLoad(system, 7)).report.kind, SolverKind::kFactor);
+    for (int cut = 1; cut <= 3; ++cut) {
+      cutHalfThrough(mesh, system, 0.1 * cut + 0.003, cut);
+      solver.restart();
+      // The second cut comes while a factor of what was before it is being made.
+      const int num_steps = cut == 1 ? (refresh + 1) / 2 + 1 : refresh + 3;
+      for (int step = 0; step < num_steps; ++step) {
+        const Eigen::Matrix3Xd b = someLoad(system, 8 + step);
+        const Solution solution = solve(solver, system, b);
+        const SolverKind expected = step < refresh ? SolverKind::kAggregates : SolverKind::kFactor;
+        EXPECT_EQ(solution.report.kind, expected) << refresh << ", cut " << cut << ", step " << step;
+        EXPECT_EQ(solution.report.fallbacks, 0);
+        expectSolved(solution, system, b, 1e-3);
+        // Further solves of a step, where contacts let go, do not count.
+        EXPECT_EQ(solve(solver, system, b, false).report.kind, expected);
+      }
+    }
+  }
+}
+
+TEST(StepSolver, EarlierSolutionsSpareIterations) {
+  const PolyhedralMesh mesh = makeTetBeam(4);
+  for (const SolverKind kind : kIterativeKinds) {
+    const auto countIterations = [&](int projection) {
+      SolverConfig config = withKind(kind, 1e-4, Precision::kAuto);
+      config.projection = projection;
+      StepSolver solver(config);
+      BodySystem system(mesh);
+      int iterations = 0;
+      for (int step = 0; step < 12; ++step) {
+        // A load that swings slowly while the body bends.
+        system.linearise(bentBeam(mesh, 1.2 + 0.01 * step));
+        const Eigen::Vector3d direction(std::sin(0.1 * step), 0.2, -std::cos(0.1 * step));
+        const Eigen::Matrix3Xd b = direction * system.masses().transpose();
+        const Solution solution = solve(solver, system, b);
+        expectSolved(solution, system, b, 1e-2);
+        iterations += solution.report.iterations;
+      }
+      return iterations;
+    };
+    const int without = countIterations(0), with_one = countIterations(1), with_three = countIterations(3);
+    EXPECT_LT(with_one, without) << toString(kind);
+    EXPECT_LT(with_three, 0.7 * without) << toString(kind);
+  }
+}
+
+TEST(StepSolver, FactorsWhereIterationFails) {
+  const PolyhedralMesh mesh = makeTetBeam(4);
+  BodySystem system(mesh);
+  system.linearise(bentBeam(mesh));
+  for (const SolverKind kind : kIterativeKinds) {
+    for (const Precision precision : {Precision::kSingle, Precision::kDouble}) {
+      SolverConfig config = withKind(kind, 1e-11, precision);
+      config.max_iterations = 1;
+      StepSolver solver(config);
+      for (int step = 0; step < 3; ++step) {
+        const Eigen::Matrix3Xd b = someLoad(system, 9 + step);
+        const Solution solution = solve(solver, system, b);
+        expectSolved(solution, system, b, 1e-9);
+        EXPECT_EQ(solution.report.kind, SolverKind::kDirect);
+        EXPECT_EQ(solution.report.fallbacks, precision == Precision::kSingle ? 2 : 1);
+        EXPECT_FALSE(solution.report.is_single);
+        EXPECT_LT(solution.result.relative_residual, 1e-9);
+      }
+    }
+  }
+}
+
+TEST(StepSolver, EndsOnceItsBudgetIsSpent) {
+  BodySystem system(makeTetBeam(4));
+  const Eigen::Matrix3Xd b = someLoad(system, 10);
+  for (const SolverKind kind : kIterativeKinds) {
+    SolverConfig config = withKind(kind);
+    config.step_budget_ms = 1;
+    StepSolver solver(config);
+    Solution solution;
+    solution.result =
+        solver.solve(system, b, true, std::chrono::steady_clock::now() - std::chrono::seconds(1), solution.x,
+                     solution.report);
+    EXPECT_EQ(solution.result.status, SolveStatus::kSolved);
+    EXPECT_TRUE(solution.report.budget_ended);
+    EXPECT_EQ(solution.report.iterations, 1);
+    EXPECT_EQ(solution.report.fallbacks, 0);
+    EXPECT_TRUE(solution.x.allFinite());
+  }
+}
+
+TEST(StepSolver, SolvesWithContactsThatComeAndGo) {
+  const PolyhedralMesh mesh = makeTetBeam(4);
+  BodySystem system(mesh);
+  system.linearise(bentBeam(mesh));
+  const Eigen::Matrix3Xd b = someLoad(system, 11);
+  for (const SolverKind kind : kIterativeKinds) {
+    StepSolver solver(withKind(kind));
+    for (const double stiffness : {0.0, 1e-3, 10.0, 0.0}) {
+      system.ties.clear();
+      const Eigen::Vector3d normal = Eigen::Vector3d(1, 2, 3).normalized();
+      for (const int i : {system.active()[100], system.active().back(), system.active()[100]})
+        system.ties.push_back({i, stiffness * normal * normal.transpose()});
+      expectSolved(solve(solver, system, b, stiffness == 0), system, b, 1e-8);
+    }
+  }
+}
+
+TEST(StepSolver, SaysWhatCannotBeSolved) {
+  for (const SolverKind kind : kIterativeKinds) {
+    BodySystem system(makeTetBeam(2));
+    StepSolver solver(withKind(kind, 1e-4, Precision::kAuto));
+    const Eigen::Matrix3Xd b = someLoad(system, 12);
+    Eigen::Matrix3Xd bad = b;
+    bad(1, system.active()[7]) = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(solve(solver, system, bad).result.status, SolveStatus::kNotFinite);
+    system.ties.push_back({system.active()[7], -1e3 * Eigen::Matrix3d::Identity()});
+    const Solution indefinite = solve(solver, system, b);
+    if (kind == SolverKind::kJacobi && indefinite.result.status == SolveStatus::kSolved) {
+      // Blocks are as indefinite as the matrix then, and may lead to a solution all the same.
+      EXPECT_LT(residualOf(system, indefinite.x, b), 1.1e-4);
+    } else {
+      EXPECT_EQ(indefinite.result.status, SolveStatus::kNotPositiveDefinite) << toString(kind);
+    }
+    system.ties.clear();
+    // And goes on as if nothing had happened.
+    const Solution solution = solve(solver, system, b);
+    expectSolved(solution, system, b, 1e-3);
+    EXPECT_EQ(solution.report.fallbacks, 0);
+    EXPECT_TRUE(solve(solver, system, 0 * b).x.isZero(0));
+  }
+}
+
+/// Cells to take out of a beam so that what is beyond x = 0.2 hangs by these vertices of that plane alone.
+std::vector<CellId> cellsBeside(const PolyhedralMesh& mesh, const std::set<int>& hinge) {
+  std::vector<CellId> cells;
+  for (const CellId id : mesh.cells()) {
+    double mean = 0;
+    bool touches = false;
+    for (const VertexId vertex : mesh.cell(id).vertices) {
+      const double x = mesh.restPosition(vertex).x();
+      mean += x / static_cast<double>(mesh.cell(id).vertices.size());
+      touches = touches || (std::abs(x - 0.2) < 1e-9 && hinge.count(vertex.index()) == 0);
+    }
+    if (mean > 0.2 && touches) cells.push_back(id);
+  }
+  return cells;
+}
+
+int vertexAt(const PolyhedralMesh& mesh, const Eigen::Vector3d& point) {
+  Eigen::Index nearest = 0;
+  EXPECT_LT((mesh.restPositions().colwise() - point).colwise().norm().minCoeff(&nearest), 1e-9);
+  return static_cast<int>(nearest);
+}
+
+TEST(StepSolver, APieceThatHangsByAVertexOrAnEdgeTakesNoMore) {
+  const PolyhedralMesh mesh = makeTetBeam(4);
+  // Cubes of 0.025 m; tets touch this plane in single vertices, and in edges, where i + j + k is even.
+  const int vertex = vertexAt(mesh, {0.2, 0.05, 0.05}), other = vertexAt(mesh, {0.2, 0.075, 0.075});
+  for (const SolverKind kind : {SolverKind::kFactor, SolverKind::kAggregates}) {
+    int whole = 0;
+    for (const std::set<int>& hinge : {std::set<int>{}, {vertex}, {vertex, other}}) {
+      BodySystem system(mesh);
+      if (!hinge.empty()) {
+        const std::vector<CellId> cells = cellsBeside(mesh, hinge);
+        EXPECT_GT(cells.size(), 20U);
+        system.takeOut(mesh, cells);
+        std::set<int> joined;
+        for (const int i : system.active()) {
+          for (const int j : system.active()) {
+            if (mesh.restPosition(VertexId(i)).x() < 0.2 + 1e-9 &&
+                mesh.restPosition(VertexId(j)).x() > 0.2 + 1e-9 && system.pattern().find(i, j) >= 0)
+              joined.insert(i);
+          }
+        }
+        EXPECT_EQ(joined, hinge);
+      }
+      system.linearise(bentBeam(mesh));
+      StepSolver solver(withKind(kind, 1e-6));
+      const Eigen::Matrix3Xd b = someLoad(system, 13);
+      const Solution solution = solve(solver, system, b);
+      expectSolved(solution, system, b, 1e-3);
+      EXPECT_EQ(solution.report.kind, kind);
+      EXPECT_EQ(solution.report.fallbacks, 0);
+      if (hinge.empty()) whole = solution.report.iterations;
+      EXPECT_LE(solution.report.iterations, whole + whole / 2) << toString(kind) << hinge.size();
+    }
+  }
+}
+
+TEST(StepSolver, AnyNumberOfThreadsGivesTheSameBits) {
+  const PolyhedralMesh mesh = makeTetBeam(8);
+  for (const SolverKind kind : kIterativeKinds) {
+    for (const Precision precision : {Precision::kSingle, Precision::kDouble}) {
+      std::vector<Eigen::Matrix3Xd> expected;
+      for (const int threads : {1, 2, 3}) {
+        BodySystem system(mesh);
+        system.body().setThreads(threads);
+        SolverConfig config = withKind(kind, 1e-2, precision);
+        config.threads = threads;
+        StepSolver solver(config);
+        for (int step = 0; step < 2; ++step) {
+          system.linearise(bentBeam(mesh, 1 + 0.1 * step));
+          const Eigen::Matrix3Xd x = solve(solver, system, someLoad(system, 14 + step)).x;
+          if (threads == 1) expected.push_back(x);
+          EXPECT_EQ(x, expected[step]) << toString(kind) << threads;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace polyscalpel
