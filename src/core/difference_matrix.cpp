@@ -21,7 +21,7 @@ void multiply(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
       const int i = active[k];
       const RowPattern::Row& row = pattern.rows[i];
       const Quad<Scalar> x_i = loadQuad(x + 3 * i);
-      Quad<Scalar> even = matrix.masses[i] * x_i, odd = {};
+      Quad<Scalar> even = static_cast<Scalar>(matrix.masses[i]) * x_i, odd = {};
       const Scalar* block = blocks + 9 * static_cast<std::ptrdiff_t>(row.first);
       for (int entry = row.first; entry < row.first + row.count; ++entry, block += 9) {
         const Quad<Scalar> d = loadQuad(x + 3 * columns[entry]) - x_i;
@@ -35,14 +35,15 @@ void multiply(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
   });
   for (const auto& tie : matrix.ties) {
     Eigen::Map<Eigen::Matrix<Scalar, 3, 1>>(y + 3 * tie.vertex) +=
-        tie.stiffness * Eigen::Map<const Eigen::Matrix<Scalar, 3, 1>>(x + 3 * tie.vertex);
+        tie.stiffness.template cast<Scalar>() *
+        Eigen::Map<const Eigen::Matrix<Scalar, 3, 1>>(x + 3 * tie.vertex);
   }
 }
 
 template <class Scalar>
 Eigen::Matrix3d diagonalBlock(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix, int vertex) {
   const RowPattern::Row& row = pattern.rows[vertex];
-  Eigen::Matrix3d diagonal = Eigen::Matrix3d::Identity() * static_cast<double>(matrix.masses[vertex]);
+  Eigen::Matrix3d diagonal = Eigen::Matrix3d::Identity() * matrix.masses[vertex];
   for (int entry = row.first; entry < row.first + row.count; ++entry) {
     diagonal -=
         Eigen::Map<const Eigen::Matrix<Scalar, 3, 3>>(&matrix.blocks[9 * static_cast<std::size_t>(entry)])

@@ -497,7 +497,7 @@ void CorotatedBody::assemble(const Eigen::VectorXd& vertex_masses, double mass_s
   parallelChunks(pattern_.numVertices(), kVerticesAChunk, num_threads_, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       if (isAsleep(i)) continue;
-      matrix.masses[i] = static_cast<Scalar>(mass_scale * vertex_masses[i]);
+      matrix.masses[i] = mass_scale * vertex_masses[i];
       const RowPattern::Row& row = pattern_.rows[i];
       const Pair* pair = &pairs_[first_pair_[i]];
       const int* stabiliser = &stabilisers_[first_stabiliser_[i]];

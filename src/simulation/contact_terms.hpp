@@ -53,7 +53,7 @@ void addContactMatrix(const LinearisedContact& contact, double scale, const RowP
       Eigen::Map<Eigen::Matrix<Scalar, 3, 3>>(&matrix.blocks[9 * static_cast<std::size_t>(entry)]) +=
           (scale * i.weight * j.weight * contact.B).template cast<Scalar>();
     }
-    matrix.ties.push_back({vertex, (scale * i.weight * sum * contact.B).template cast<Scalar>()});
+    matrix.ties.push_back({vertex, scale * i.weight * sum * contact.B});
   }
 }
 

@@ -36,7 +36,7 @@ void BlockJacobi::update(const RowPattern& pattern, const DifferenceMatrix<Scala
       first[vertex] = static_cast<int>(t);
       blocks[t] = diagonalBlock(pattern, matrix, vertex);
     }
-    blocks[first[vertex]] += matrix.ties[t].stiffness.template cast<double>();
+    blocks[first[vertex]] += matrix.ties[t].stiffness;
   }
   for (std::size_t t = 0; t < matrix.ties.size(); ++t) {
     const int vertex = matrix.ties[t].vertex;

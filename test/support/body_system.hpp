@@ -54,7 +54,7 @@ class BodySystem final : public StepSystem {
   }
 
   const RowPattern& pattern() const override { return assembly_.corotatedBody()->pattern(); }
-  const std::vector<int>& movable() const { return active_; }
+  const std::vector<int>& movable() const override { return active_; }
   const std::vector<int>& active() const override { return active_; }
   const Eigen::Matrix3Xd& restPositions() const override { return assembly_.restPositions(); }
   void assemble(DifferenceMatrix<float>& matrix) override { assembleIn(matrix); }

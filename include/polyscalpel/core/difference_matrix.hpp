@@ -20,10 +20,10 @@ namespace polyscalpel {
 template <class Scalar>
 struct DifferenceMatrix {
   std::vector<Scalar> blocks;  ///< A_ij, 9 an entry, column by column, and one number more
-  std::vector<Scalar> masses;  ///< one a vertex: S_i = masses[i] I, plus what `ties` has for i
+  std::vector<double> masses;  ///< one a vertex: S_i = masses[i] I, plus what `ties` has for i
   struct Tie {
     int vertex = 0;
-    Eigen::Matrix<Scalar, 3, 3> stiffness;
+    Eigen::Matrix3d stiffness;
   };
   std::vector<Tie> ties;  ///< what holds a vertex to something outside; any order, several a vertex
 

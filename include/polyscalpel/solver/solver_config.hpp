@@ -12,7 +12,7 @@ enum class SolverKind {
   kDirect,      ///< a sparse Cholesky factor (CHOLMOD) in every step: exact, slow
   kJacobi,      ///< 3 x 3 diagonal blocks: for steps so short that mass outweighs stiffness
   kFactor,      ///< the rest shape's factor turned with each vertex: small bodies
-  kAggregates,  ///< diagonal blocks and the rigid motions of groups of vertices: large bodies, and after cuts
+  kAggregates,  ///< diagonal blocks and the rigid motions of groups of vertices: large bodies
 };
 
 /// Numbers of the matrix and of the iteration.
@@ -35,8 +35,8 @@ struct SolverConfig {
   /// In (0, 1e6] ms: if given, conjugate gradients end once a step has taken this long, with the error that
   /// is left; what a step computes then depends on the machine's speed.
   std::optional<double> step_budget_ms;
-  /// In [1, 1000000]: so many steps after the last cut the rest shape's factor is made anew; until then
-  /// kFactor goes on with aggregates.
+  /// In [1, 1000000]: so many steps after the last cut kFactor takes over a factor of the cut body; until
+  /// then the old one serves, with a patch around the slit, or aggregates where the patch would be too large.
   int refresh_after_steps = 30;
 };
 
