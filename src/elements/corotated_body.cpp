@@ -479,7 +479,7 @@ void CorotatedBody::makeTurned(int index, const CellBatch& batch, void* room, Tu
                     &turned.gradients[4 * static_cast<std::size_t>(batches_[index].first_corner)]);
   if (batch.num_modes > 0)
     kernels.stabiliser(batch, &rotations_[36 * index], room,
-                       &turned.blocks[9 * static_cast<std::size_t>(batches_[index].first_pair)]);
+                       turned.blocks.data() + 9 * static_cast<std::size_t>(batches_[index].first_pair));
 }
 
 // Each entry above the diagonal is written once, and its transpose at its mirror.
@@ -499,8 +499,8 @@ void CorotatedBody::assemble(const Eigen::VectorXd& vertex_masses, double mass_s
       if (isAsleep(i)) continue;
       matrix.masses[i] = mass_scale * vertex_masses[i];
       const RowPattern::Row& row = pattern_.rows[i];
-      const Pair* pair = &pairs_[first_pair_[i]];
-      const int* stabiliser = &stabilisers_[first_stabiliser_[i]];
+      const Pair* pair = pairs_.data() + first_pair_[i];
+      const int* stabiliser = stabilisers_.data() + first_stabiliser_[i];
       for (int entry = row.first_above; entry < row.first + row.count; ++entry) {
         Quad<Scalar> c0 = {}, c1 = {}, c2 = {};
         for (const Pair* const end = pair + incidences_[entry].num_pairs; pair != end; ++pair) {

@@ -56,6 +56,7 @@ SolveStatus SingleFactor::factorise(const BlockPattern& pattern, const Blocks& b
     const Eigen::MatrixXd inverse =
         diagonal.solve(Eigen::MatrixXd::Identity(node.num_columns, node.num_columns));
     target.topLeftCorner(node.num_columns, node.num_columns) = inverse.cast<float>();
+    if (node.num_rows == 0) continue;
     target.block(node.num_columns, 0, node.num_rows, node.num_columns) =
         (panel.bottomRows(node.num_rows) * inverse.triangularView<Eigen::Lower>()).cast<float>();
   }

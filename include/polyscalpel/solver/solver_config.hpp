@@ -24,7 +24,10 @@ enum class Precision {
 
 struct SolverConfig {
   SolverKind kind = SolverKind::kAuto;
-  double tolerance = 1e-4;  ///< in [1e-12, 0.1]: |A x - b| / |b|, at which conjugate gradients end
+  /// In [1e-12, 0.1]: |A x - b| / |b|, at which conjugate gradients end, r = A x - b followed from iteration
+  /// to iteration. In single precision rounding x adds to the true one what stiffness makes of it, in modes
+  /// that hardly move anything.
+  double tolerance = 1e-4;
   /// In [1e-10, 0.1]: if given, they end instead where the estimated error of x, relative to x, both in the
   /// norm of A, is below this.
   std::optional<double> error_target;
