@@ -63,15 +63,18 @@ struct StepSolver::Impl {
   bool is_restarted = true;
   bool is_cut = false;    // since the last solve
   bool is_stale = false;  // the factor is of the body before a cut, or there is none
-  int steps_since_cut = 0;
+  int stale_steps = 0;
   SolverKind kind = SolverKind::kAuto;  // what the config or the choice says
   std::string reason;
 
   std::vector<bool> fixed;
   DifferenceMatrix<double> rest_matrix;
   std::optional<TurnedFactor> factor;
+  // The factor under way, of a body as it was, and what has been cut since.
   std::future<MadeFactor> next_factor;
   std::vector<bool> next_fixed;
+  std::vector<AddedVertex> next_added;
+  std::vector<int> next_touched;
   std::optional<AggregatePreconditioner> aggregates;
   BlockJacobi jacobi;
   std::vector<float> rotations;
@@ -107,8 +110,9 @@ struct StepSolver::Impl {
                     const Eigen::Matrix3Xd& b, Eigen::Matrix3Xd& x);
   void takeBody(StepSystem& system);
   void prepare(StepSystem& system);
-  void dropNextFactor();
   void refresh(StepSystem& system);
+  void dropLargePatch();
+  void prepareAggregates(StepSystem& system);
   template <class Scalar>
   void update(StepSystem& system, Lane<Scalar>& lane, Preconditioner& chosen);
   Preconditioner& preconditioner(StepSystem& system, SolverReport& report);
@@ -209,15 +213,14 @@ void StepSolver::Impl::takeBody(StepSystem& system) {
 
 // What depends on the pattern and on which vertices move.
 void StepSolver::Impl::prepare(StepSystem& system) {
-  dropNextFactor();
+  next_factor = {};  // waits for one under way
   factor.reset();
-  aggregates.reset();
   solutions.clear();
   is_direct_analysed = false;
   knows_free_parts = false;
-  takeBody(system);
-  if (is_restarted || kind != SolverKind::kFactor) choose(system);
-  if (is_restarted && kind == SolverKind::kFactor) {
+  prepareAggregates(system);
+  choose(system);
+  if (kind == SolverKind::kFactor) {
     MadeFactor made = makeFactor(system.pattern(), rest_matrix, fixed);
     if (made.status == SolveStatus::kSolved) {
       factor.emplace(std::move(made.factor), fixed);
@@ -226,36 +229,54 @@ void StepSolver::Impl::prepare(StepSystem& system) {
       reason = std::string("of the rest shape's factor, ") + toString(made.status);
     }
   }
-  is_stale = kind == SolverKind::kFactor && !factor;
-  is_restarted = is_cut = false;
-  steps_since_cut = 0;
-}
-
-void StepSolver::Impl::dropNextFactor() {
-  if (next_factor.valid()) next_factor.wait();
-  next_factor = {};
+  is_restarted = is_cut = is_stale = false;
+  stale_steps = 0;
 }
 
 // A factor of the cut body is begun and taken over at fixed steps, so that a machine's speed does not tell
-// which step has it.
+// which step has it. Cuts that come in between are a patch to it, and the next one's reason.
 void StepSolver::Impl::refresh(StepSystem& system) {
-  ++steps_since_cut;
-  if (steps_since_cut == (config.refresh_after_steps + 1) / 2) {
+  ++stale_steps;
+  if (!next_factor.valid() && stale_steps >= (config.refresh_after_steps + 1) / 2) {
     takeBody(system);
+    choose(system);  // cuts make vertices
+    if (kind != SolverKind::kFactor) {
+      factor.reset();
+      aggregates.reset();
+      is_stale = false;
+      return;
+    }
     next_fixed = fixed;
+    next_added.clear();
+    next_touched.clear();
     next_factor = std::async(std::launch::async, [rows = system.pattern(), matrix = rest_matrix,
                                                   fixed = fixed] { return makeFactor(rows, matrix, fixed); });
   }
-  if (steps_since_cut < config.refresh_after_steps || !next_factor.valid()) return;
+  if (stale_steps < config.refresh_after_steps) return;
   MadeFactor made = next_factor.get();
-  is_stale = false;
+  stale_steps = 0;
+  is_stale = !next_touched.empty();
   if (made.status == SolveStatus::kSolved) {
     factor.emplace(std::move(made.factor), next_fixed);
+    if (is_stale) factor->follow(next_added, next_touched);
+    dropLargePatch();
   } else {
     factor.reset();
+    is_stale = false;
     kind = SolverKind::kAggregates;
     reason = std::string("of the rest shape's factor, ") + toString(made.status);
   }
+  if (!factor) prepareAggregates(system);
+}
+
+void StepSolver::Impl::dropLargePatch() {
+  if (factor && factor->patchSize() > kLargestPatch * factor->numVertices()) factor.reset();
+}
+
+// The aggregates of the body as it is now are made when they are first asked for.
+void StepSolver::Impl::prepareAggregates(StepSystem& system) {
+  takeBody(system);
+  aggregates.reset();
 }
 
 Preconditioner& StepSolver::Impl::preconditioner(StepSystem& system, SolverReport& report) {
@@ -409,26 +430,31 @@ void StepSolver::follow(const std::vector<AddedVertex>& added, const std::vector
   Impl& s = *impl_;
   if (s.is_restarted) return;
   s.is_cut = true;
-  s.is_stale = s.kind == SolverKind::kFactor;
-  s.steps_since_cut = 0;
-  s.dropNextFactor();
+  if (s.kind == SolverKind::kFactor && !s.is_stale) {
+    s.is_stale = true;
+    s.stale_steps = 0;
+  }
   s.is_direct_analysed = false;
   s.knows_free_parts = false;
   s.solutions.clear();
-  if (!s.factor) return;
-  s.factor->follow(added, touched);
-  if (s.factor->patchSize() > kLargestPatch * s.factor->numVertices()) s.factor.reset();
+  if (s.next_factor.valid()) {
+    s.next_added.insert(s.next_added.end(), added.begin(), added.end());
+    s.next_touched.insert(s.next_touched.end(), touched.begin(), touched.end());
+  }
+  if (s.factor) s.factor->follow(added, touched);
+  s.dropLargePatch();
 }
 
 SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, bool begins_step,
                               std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x,
                               SolverReport& report) {
   Impl& s = *impl_;
-  if (s.is_restarted || (s.is_cut && !s.factor)) {
+  if (s.is_restarted) {
     s.prepare(system);
-  } else if (begins_step && s.is_stale) {
+  } else {
+    if (s.is_cut && !s.factor) s.prepareAggregates(system);
     s.is_cut = false;
-    s.refresh(system);
+    if (begins_step && s.is_stale) s.refresh(system);
   }
   report.reason = s.reason;
   SolveResult result;
