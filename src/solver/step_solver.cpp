@@ -252,7 +252,7 @@ void StepSolver::Impl::refresh(StepSystem& system) {
     next_factor = std::async(std::launch::async, [rows = system.pattern(), matrix = rest_matrix,
                                                   fixed = fixed] { return makeFactor(rows, matrix, fixed); });
   }
-  if (stale_steps < config.refresh_after_steps) return;
+  if (stale_steps <= config.refresh_after_steps) return;
   MadeFactor made = next_factor.get();
   stale_steps = 0;
   is_stale = !next_touched.empty();

@@ -139,30 +139,68 @@ TEST(StepSolver, ChoosesThePrecisionByWhatIsAskedFor) {
   EXPECT_FALSE(isSingle(1e-4, 1e-8));
 }
 
-void cutHalfThrough(PolyhedralMesh& mesh, BodySystem& system, double x, int cut) {
+/// Cuts the beam from above as deep as `depth`, at x, and tells the solver of it.
+void cutFromAbove(PolyhedralMesh& mesh, BodySystem& system, StepSolver& solver, double x, double depth,
+                  int cut) {
   PolygonCut blade;
+  const double lowest = 0.1 - depth;
   blade.corners_world.resize(3, 4);
-  blade.corners_world << x, x, x, x, -1, 1, 1, -1, 0.052, 0.052, 1, 1;
+  blade.corners_world << x, x, x, x, -1, 1, 1, -1, lowest, lowest, 1, 1;
   const CutResult result = cutMesh(mesh, mesh.restPositions(), blade, CuttingConfig(), cut);
   ASSERT_EQ(result.status, CutStatus::kCut) << result.message;
   system.follow(mesh, result.change);
+  std::vector<AddedVertex> added;
+  for (const NewVertex& vertex : result.change.new_vertices)
+    added.push_back(
+        {vertex.vertex.index(), {vertex.parents[0].index(), vertex.parents[1].index()}, vertex.weight});
+  std::vector<int> touched;
+  std::vector<CellId> cells = result.change.changed_cells;
+  for (const NewCell& cell : result.change.new_cells) cells.push_back(cell.cell);
+  for (const CellId cell : cells) {
+    for (const VertexId vertex : mesh.cell(cell).vertices) touched.push_back(vertex.index());
+  }
+  solver.follow(added, touched);
   system.linearise(bend(mesh.restPositions(), kLength, 0.8));
 }
 
-TEST(StepSolver, StartsAgainAfterACut) {
+TEST(StepSolver, GoesOnAfterACut) {
   for (const SolverKind kind : kIterativeKinds) {
-    PolyhedralMesh mesh = makeTetBeam(4);
-    BodySystem system(mesh);
-    StepSolver solver(withKind(kind));
-    system.linearise(bentBeam(mesh));
-    for (int step = 0; step < 3; ++step) solve(solver, system, someLoad(system, 5));
-    for (int cut = 1; cut <= 3; ++cut) {
-      cutHalfThrough(mesh, system, 0.1 * cut + 0.003, cut);
-      solver.restart();
-      for (int step = 0; step < 3; ++step) {
-        const Eigen::Matrix3Xd b = someLoad(system, 6 + step);
-        expectSolved(solve(solver, system, b), system, b, 1e-8);
+    for (const bool anew : {false, true}) {
+      PolyhedralMesh mesh = makeTetBeam(4);
+      BodySystem system(mesh);
+      StepSolver solver(withKind(kind));
+      system.linearise(bentBeam(mesh));
+      for (int step = 0; step < 3; ++step) solve(solver, system, someLoad(system, 5));
+      for (int cut = 1; cut <= 3; ++cut) {
+        cutFromAbove(mesh, system, solver, 0.1 * cut + 0.003, 0.048, cut);
+        if (anew) solver.restart();
+        for (int step = 0; step < 3; ++step) {
+          const Eigen::Matrix3Xd b = someLoad(system, 6 + step);
+          expectSolved(solve(solver, system, b), system, b, 1e-8);
+        }
       }
+    }
+  }
+}
+
+// What was made for the uncut body serves on, with the cells around the slit factored: a few iterations more.
+TEST(StepSolver, AFactorServesOnAfterASmallCut) {
+  PolyhedralMesh mesh = makeTetBeam(6);
+  BodySystem system(mesh);
+  StepSolver solver(withKind(SolverKind::kFactor, 1e-4, Precision::kAuto));
+  system.linearise(bentBeam(mesh));
+  const int before = solve(solver, system, someLoad(system, 5)).report.iterations;
+  for (int cut = 1; cut <= 2; ++cut) {
+    cutFromAbove(mesh, system, solver, 0.1 * cut + 0.003, 0.03, cut);
+    for (int step = 0; step < 5; ++step) {
+      // It bends on, away from where the patch was factored.
+      system.linearise(bend(mesh.restPositions(), kLength, 0.8 + 0.1 * step));
+      const Eigen::Matrix3Xd b = someLoad(system, 6 + step);
+      const Solution solution = solve(solver, system, b);
+      expectSolved(solution, system, b, 1e-2);
+      EXPECT_EQ(solution.report.kind, SolverKind::kFactor);
+      EXPECT_EQ(solution.report.fallbacks, 0);
+      EXPECT_LE(solution.report.iterations, 3 * before);
     }
   }
 }
@@ -177,11 +215,9 @@ TEST(StepSolver, TheFactorIsMadeAnewSoManyStepsAfterACut) {
     StepSolver solver(config);
     EXPECT_EQ(solve(solver, system, someLoad(system, 7)).report.kind, SolverKind::kFactor);
     for (int cut = 1; cut <= 3; ++cut) {
-      cutHalfThrough(mesh, system, 0.1 * cut + 0.003, cut);
-      solver.restart();
-      // The second cut comes while a factor of what was before it is being made.
-      const int num_steps = cut == 1 ? (refresh + 1) / 2 + 1 : refresh + 3;
-      for (int step = 0; step < num_steps; ++step) {
+      // Half through so coarse a beam touches more than a patch may hold.
+      cutFromAbove(mesh, system, solver, 0.1 * cut + 0.003, 0.098, cut);
+      for (int step = 0; step < refresh + 3; ++step) {
         const Eigen::Matrix3Xd b = someLoad(system, 8 + step);
         const Solution solution = solve(solver, system, b);
         const SolverKind expected = step < refresh ? SolverKind::kAggregates : SolverKind::kFactor;
@@ -193,6 +229,37 @@ TEST(StepSolver, TheFactorIsMadeAnewSoManyStepsAfterACut) {
       }
     }
   }
+}
+
+// Cuts that follow on each other faster than factors are made: each step is solved, by the same means in each
+// run, and in the end there is a factor.
+TEST(StepSolver, CutsWhileAFactorIsBeingMade) {
+  std::vector<std::vector<int>> iterations(2);
+  for (std::vector<int>& run : iterations) {
+    PolyhedralMesh mesh = makeTetBeam(4);
+    BodySystem system(mesh);
+    SolverConfig config = withKind(SolverKind::kFactor, 1e-4, Precision::kAuto);
+    config.refresh_after_steps = 4;
+    StepSolver solver(config);
+    system.linearise(bentBeam(mesh));
+    const auto step = [&](int seed) {
+      const Eigen::Matrix3Xd b = someLoad(system, seed);
+      const Solution solution = solve(solver, system, b);
+      expectSolved(solution, system, b, 1e-2);
+      EXPECT_EQ(solution.report.fallbacks, 0);
+      run.push_back(solution.report.iterations);
+      return solution.report.kind;
+    };
+    step(1);
+    for (int cut = 1; cut <= 8; ++cut) {
+      cutFromAbove(mesh, system, solver, 0.04 * cut + 0.003, 0.03, cut);
+      for (int k = 0; k < 3; ++k) step(2 + k);
+    }
+    SolverKind kind = SolverKind::kAuto;
+    for (int k = 0; k < 10; ++k) kind = step(20 + k);
+    EXPECT_EQ(kind, SolverKind::kFactor);
+  }
+  EXPECT_EQ(iterations[0], iterations[1]);
 }
 
 TEST(StepSolver, EarlierSolutionsSpareIterations) {
