@@ -3,6 +3,8 @@
 #include <cmath>
 #include <ctime>
 #include <random>
+#include <string>
+#include <thread>
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>
@@ -25,7 +27,7 @@ using Eigen::Vector3d;
 constexpr int kRepetitions = 15;
 
 /// Seconds of this thread's own work since it was made or last asked: on a machine that others use too, the
-/// wall clock tells how busy they are. All that is measured here runs in one thread.
+/// wall clock tells how busy they are.
 class StopWatch {
  public:
   double lap() {
@@ -44,29 +46,55 @@ class StopWatch {
   double last_ = threadTime();
 };
 
+/// How the matrices of cells are made.
+struct Matrices {
+  const char* suffix;  // of a row's name
+  int quadrature_points;
+  int num_threads;
+};
+
+constexpr Matrices kMatrices[] = {{"", 1, 1}, {"_4_points", 4, 2}};
+
 /// Everything beside a mesh that a cut refreshes, but the assembled system.
 class Body {
  public:
-  explicit Body(const PolyhedralMesh& rest)
+  Body(const PolyhedralMesh& rest, const Matrices& matrices)
       : mesh(rest),
         positions(rest.restPositions()),
         index(mesh),
         surface(mesh, positions),
-        formulation_(onePoint()) {
+        formulation_(withPoints(matrices.quadrature_points)),
+        num_threads_(matrices.num_threads) {
     index.tree.fit(mesh, positions);
   }
 
-  /// Matrices of the new and changed cells and the collision surface. Returns the seconds of each.
+  /// Matrices of the new and changed cells and the collision surface. Returns the seconds of each: those of
+  /// the thread that takes longest.
   std::pair<double, double> follow(const MeshChange& change) {
     StopWatch watch;
     extendByNewVertices(change.new_vertices, positions);
-    const auto make = [&](CellId cell) {
-      benchmark::DoNotOptimize(
-          formulation_.makeMatrices(makeCellSurface(mesh, cell, mesh.restPositions()), {}));
+    std::vector<CellId> cells = change.changed_cells;
+    for (const NewCell& cell : change.new_cells) cells.push_back(cell.cell);
+    const auto make = [&](std::size_t first, std::size_t step) {
+      for (std::size_t i = first; i < cells.size(); i += step) {
+        benchmark::DoNotOptimize(
+            formulation_.makeMatrices(makeCellSurface(mesh, cells[i], mesh.restPositions()), {}));
+      }
     };
-    for (const CellId cell : change.changed_cells) make(cell);
-    for (const NewCell& cell : change.new_cells) make(cell.cell);
-    const double matrices_s = watch.lap();
+    double helper_s = 0;
+    // As Assembly::update() does it.
+    if (num_threads_ == 1 || cells.size() < kFewCells) {
+      make(0, 1);
+    } else {
+      std::thread helper([&] {
+        StopWatch helper_watch;
+        make(1, 2);
+        helper_s = helper_watch.lap();
+      });
+      make(0, 2);
+      helper.join();
+    }
+    const double matrices_s = std::max(watch.lap(), helper_s);
     surface.update(mesh, change, positions);
     return {matrices_s, watch.lap()};
   }
@@ -77,12 +105,15 @@ class Body {
   TissueSurface surface;
 
  private:
-  static ElementConfig onePoint() {
+  static constexpr std::size_t kFewCells = 32;
+
+  static ElementConfig withPoints(int count) {
     ElementConfig config;
-    config.quadrature_points = 1;
+    config.quadrature_points = count;
     return config;
   }
   CellFormulation formulation_;
+  int num_threads_;
 };
 
 struct Box {
@@ -109,11 +140,11 @@ PolygonCut halfPlane(const PolyhedralMesh& mesh) {
   return cut;
 }
 
-void halfPlaneRow(benchmark::State& state, const PolyhedralMesh& rest) {
+void halfPlaneRow(benchmark::State& state, const PolyhedralMesh& rest, const Matrices& how) {
   const PolygonCut cut = halfPlane(rest);
   double cut_s = 0, matrices_s = 0, surface_s = 0;
   for (auto _ : state) {
-    Body body(rest);
+    Body body(rest, how);
     StopWatch watch;
     const CutResult result = cutMesh(body.mesh, body.positions, cut, {}, 1, &body.index);
     cut_s = watch.lap();
@@ -142,7 +173,8 @@ double median(std::vector<double> values) {
 
 /// A short blade is drawn level through the top of the body, in steps of so many local sizes; the row's time
 /// is the median of its steps that split something.
-void progressiveRow(benchmark::State& state, const PolyhedralMesh& rest, double step_in_sizes) {
+void progressiveRow(benchmark::State& state, const PolyhedralMesh& rest, double step_in_sizes,
+                    const Matrices& how) {
   const auto [centre, half] = boxOf(rest);
   const double h = medianSize(rest);
   Matrix3Xd edge(3, 2);
@@ -155,7 +187,7 @@ void progressiveRow(benchmark::State& state, const PolyhedralMesh& rest, double 
     return T;
   };
   for (auto _ : state) {
-    Body body(rest);
+    Body body(rest, how);
     BladeCut blade(edge, {});
     std::vector<double> totals, cuts, matrices, surfaces, untouched, splits, touched;
     for (int i = 0; i < num_steps; ++i) {
@@ -276,10 +308,19 @@ auto* registerRow(const std::string& name, const BenchMesh& mesh, Row row) {
 
 void registerCutting(const std::vector<BenchMesh>& meshes) {
   for (const BenchMesh& mesh : meshes) {
-    registerRow("cut/half_plane", mesh, halfPlaneRow)->UseManualTime()->Iterations(1);
-    for (const auto& [name, step] : {std::pair("cut/progressive", 0.5), std::pair("cut/fine_steps", 0.1)}) {
-      const auto row = [step = step](auto& state, const auto& rest) { progressiveRow(state, rest, step); };
-      registerRow(name, mesh, row)->UseManualTime()->Iterations(1);
+    for (const Matrices& matrices : kMatrices) {
+      const auto half_plane = [&matrices](auto& state, const auto& rest) {
+        halfPlaneRow(state, rest, matrices);
+      };
+      registerRow(std::string("cut/half_plane") + matrices.suffix, mesh, half_plane)
+          ->UseManualTime()
+          ->Iterations(1);
+      for (const auto& [name, step] : {std::pair("cut/progressive", 0.5), std::pair("cut/fine_steps", 0.1)}) {
+        const auto row = [step = step, &matrices](auto& state, const auto& rest) {
+          progressiveRow(state, rest, step, matrices);
+        };
+        registerRow(std::string(name) + matrices.suffix, mesh, row)->UseManualTime()->Iterations(1);
+      }
     }
     registerRow("split/geometry", mesh, geometryRow);
     registerRow("split/whole", mesh, wholeRow)->UseManualTime()->Iterations(1);

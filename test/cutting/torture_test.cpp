@@ -50,6 +50,24 @@ TEST(Torture, EveryCutOfEveryKindLeavesAValidMesh) {
   }
 }
 
+TEST(Torture, PolygonsWithinOneBodyLeaveItValid) {
+  // Their borders divide cells that others have divided before: the hardest for the planes that close them.
+  for (const TortureSubject& subject : tortureSubjects(TortureSize::kSmall)) {
+    TorturePlan plan;
+    plan.bodies = 20;
+    plan.cuts_per_body = 10;
+    plan.kinds = {"polygon"};
+    std::vector<TortureFailure> failures;
+    for (const TortureRow& row : torture(subject, plan, failures)) {
+      EXPECT_EQ(row.invalid, 0) << row.mesh;
+      EXPECT_EQ(row.pieces_missing, 0) << row.mesh;
+      EXPECT_LT(row.volume_error, 1e-12) << row.mesh;
+      EXPECT_LE(row.left_whole, 2e-3 * row.splits) << row.mesh << ": of " << row.splits << " splits";
+    }
+    expectNone(failures, "violations");
+  }
+}
+
 TEST(Torture, ABodyOfManyTetrahedraStaysValid) {
   const char* const folder = std::getenv("POLYSCALPEL_TEST_MESHES");
   if (!folder) GTEST_SKIP() << "POLYSCALPEL_TEST_MESHES is not set: bunny8k is not cut";
