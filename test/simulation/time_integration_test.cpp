@@ -186,6 +186,31 @@ TEST(ImplicitEuler, LetsGoOfAContactThatWouldPull) {
   EXPECT_GT(result.contact_forces[0].z(), 0);
 }
 
+// A spring of negative stiffness is held by the mass in short steps alone.
+TEST(ImplicitEuler, AStepThatFailsIsMadeOfShorterOnes) {
+  const PolyhedralMesh mesh = makePolyhedra();
+  Assembly assembly(mesh, kMaterial, ElementConfig(), 0.02);
+  IntegrationConfig config;
+  config.stiffness_damping_s = 0;
+  const SimulationState before = makeRestState(mesh, {FixedBox{{0, 0, 0}, {0, 1, 1}}});
+  LinearisedContact negative = makeContact(mesh, on_top, {0, 0, -1});
+  for (const SolverKind kind : {SolverKind::kDirect, SolverKind::kAuto}) {
+    SolverConfig solver;
+    solver.kind = kind;
+    IntegrationResult result;
+    SimulationState state;
+    for (double stiffness = 1; stiffness < 1e4 && result.half_steps == 0; stiffness *= 1.1) {
+      negative.B = -stiffness * Eigen::Matrix3d::Identity();
+      state = before;
+      result = ImplicitEuler(config, solver).step(state, assembly, {negative});
+      ASSERT_EQ(result.status, SolveStatus::kSolved) << stiffness;
+    }
+    EXPECT_GE(result.half_steps, 2);
+    EXPECT_TRUE(state.positions.allFinite());
+    EXPECT_GT((state.positions - before.positions).norm(), 0);
+  }
+}
+
 TEST(ImplicitEuler, StateStaysWhenTheSolverFails) {
   const PolyhedralMesh mesh = makePolyhedra();
   Assembly assembly(mesh, kMaterial, ElementConfig(), 0.02);
