@@ -91,7 +91,7 @@ DifferenceMatrix<Scalar> cast(const DifferenceMatrix<double>& matrix) {
   DifferenceMatrix<Scalar> result;
   result.blocks.assign(matrix.blocks.begin(), matrix.blocks.end());
   result.masses.assign(matrix.masses.begin(), matrix.masses.end());
-  for (const auto& tie : matrix.ties) result.ties.push_back({tie.vertex, tie.stiffness.cast<Scalar>()});
+  for (const auto& tie : matrix.ties) result.ties.push_back({tie.vertex, tie.stiffness});
   return result;
 }
 
@@ -225,7 +225,7 @@ TYPED_TEST(DifferenceMatrixOf, AnyNumberOfThreadsGivesTheSameBits) {
   system.linearise(shake(mesh, 0.002, 1));
   DifferenceMatrix<Scalar> matrix;
   system.assemble(matrix);
-  matrix.ties.push_back({2000, Eigen::Matrix<Scalar, 3, 3>::Identity()});
+  matrix.ties.push_back({2000, Eigen::Matrix3d::Identity()});
   Vector<Scalar> x = randomVector<Scalar>(mesh.numVertices(), 5);
   for (int i = 0; i < mesh.numVertices(); ++i) {
     if (!std::binary_search(system.active().begin(), system.active().end(), i))

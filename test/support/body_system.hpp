@@ -70,7 +70,7 @@ class BodySystem final : public StepSystem {
   template <class Scalar>
   void assembleIn(DifferenceMatrix<Scalar>& matrix) {
     body().assemble(masses_, 1, step_s_ * step_s_, matrix);
-    for (const auto& tie : ties) matrix.ties.push_back(tie);
+    for (const auto& tie : ties) matrix.ties.push_back({tie.vertex, tie.stiffness});
   }
   void findActive() {
     active_.clear();
