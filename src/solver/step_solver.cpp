@@ -237,7 +237,8 @@ void StepSolver::Impl::prepare(StepSystem& system) {
 // which step has it. Cuts that come in between are a patch to it, and the next one's reason.
 void StepSolver::Impl::refresh(StepSystem& system) {
   ++stale_steps;
-  if (!next_factor.valid() && stale_steps >= (config.refresh_after_steps + 1) / 2) {
+  // Not in the first step after a cut, which has the patch to factor.
+  if (!next_factor.valid() && stale_steps >= std::min(2, config.refresh_after_steps)) {
     takeBody(system);
     choose(system);  // cuts make vertices
     if (kind != SolverKind::kFactor) {
