@@ -52,17 +52,19 @@ PolygonCut bladeCut(const Simulation& simulation, int index) {
   }
 }
 
-double stepSeconds(Simulation& simulation) {
+double stepSeconds(Simulation& simulation, SolverReport* solver = nullptr) {
   const double start = report::threadSeconds();
   const StepReport report = simulation.step({});
   const double seconds = report::threadSeconds() - start;
   if (!report.converged) throw std::runtime_error(report.message);
+  if (solver) *solver = report.solver;
   return seconds;
 }
 
 struct Timeline {
   std::vector<double> before, cut, first, tenth;  // one a cut [s]; tenth: after the last one
   std::vector<int> cells_split;
+  std::vector<SolverReport> first_solvers;  // one a cut
 };
 
 /// Cuts with one step after each, then nine more.
@@ -81,7 +83,7 @@ Timeline cutAndStep(const SimulationConfig& scene, int num_cuts) {
     times.cut.push_back(report::threadSeconds() - start);
     times.cells_split.push_back(result.cells_split);
     times.before.push_back(before);
-    times.first.push_back(stepSeconds(simulation));
+    times.first.push_back(stepSeconds(simulation, &times.first_solvers.emplace_back()));
   }
   double tenth = 0;
   for (int i = 1; i < kStepsAfter; ++i) tenth = stepSeconds(simulation);
@@ -109,8 +111,11 @@ void afterCutRow(benchmark::State& state, const StepBody& body, int num_cuts) {
     }
     const double before = medianOf(runs, &Timeline::before, 0);
     double worst = 0, cut = 0;
+    int iterations = 0, fallbacks = 0;
     for (std::size_t k = 0; k < runs[0].first.size(); ++k) {
       worst = std::max(worst, medianOf(runs, &Timeline::first, k));
+      iterations = std::max(iterations, runs[0].first_solvers[k].iterations);
+      fallbacks += runs[0].first_solvers[k].fallbacks;
       cut = std::max(cut, medianOf(runs, &Timeline::cut, k));
     }
     state.SetIterationTime(worst);
@@ -118,6 +123,8 @@ void afterCutRow(benchmark::State& state, const StepBody& body, int num_cuts) {
     state.counters["cut_ms"] = 1e3 * cut;
     state.counters["first_ms"] = 1e3 * worst;
     state.counters["tenth_ms"] = 1e3 * medianOf(runs, &Timeline::tenth, 0);
+    state.counters["first_iterations"] = iterations;
+    state.counters["fallbacks"] = fallbacks;
     state.counters["ratio"] = worst / before;
     state.counters["cells_split"] = *std::max_element(runs[0].cells_split.begin(), runs[0].cells_split.end());
   }
