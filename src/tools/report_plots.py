@@ -172,13 +172,16 @@ def integration(rows, path):
     if not rows:
         return False
     figure, axes = plt.subplots(figsize=SIZE)
-    x = [row["wall_ms_per_simulated_s"] for row in rows]
-    y = [100 * row["error_after_1_s"] for row in rows]
-    axes.plot(x, y, **_style(0))
+    for i, solver in enumerate(_unique(rows, "solver")):
+        of_solver = [row for row in rows if row["solver"] == solver]
+        axes.plot([row["wall_ms_per_simulated_s"] for row in of_solver], [100 * row["error_after_1_s"] for row in of_solver],
+                  label=solver, **_style(i))
+        for row in of_solver if i == 0 else []:  # the others' points lie at the same heights
+            axes.annotate(f"h = {1e3 * row['time_step_s']:g} ms",
+                          (row["wall_ms_per_simulated_s"], 100 * row["error_after_1_s"]), xytext=(6, 5),
+                          textcoords="offset points", fontsize=10)
     _logarithmic(axes)
-    for row, left, top in zip(rows, x, y):
-        axes.annotate(f"h = {1e3 * row['time_step_s']:g} ms", (left, top), xytext=(6, 5), textcoords="offset points",
-                      fontsize=10)
+    axes.legend(title="solver")
     axes.set_xlabel("wall time of one simulated second [ms]")
     axes.set_ylabel("error of the positions after 1 s [%]")
     axes.margins(0.14)
@@ -226,9 +229,7 @@ def peers(rows, path):
         of_body = [row for row in rows if row["body"] == body]
         series = {}
         for row in of_body:
-            ours = row["peer"] == "polyscalpel"
-            key = "polyscalpel" if ours else f"{row['peer'].split(',')[0]}: {row['settings']}"
-            series.setdefault(key, []).append(row)
+            series.setdefault(_peer(row), []).append(row)
         for key, of_series in series.items():
             index = _legend_index(rows, key)
             axes.plot([1e-3 * row["wall_ms_per_simulated_s"] for row in of_series],
@@ -251,15 +252,106 @@ def peers(rows, path):
     return True
 
 
+def _peer(row):
+    return f"{row['peer'].split(',')[0]}: {row['settings']}"
+
+
 def _legend_index(rows, key):
-    keys = ["polyscalpel"]
-    for row in rows:
-        if row["peer"] != "polyscalpel":
-            name = f"{row['peer'].split(',')[0]}: {row['settings']}"
-            if name not in keys:
-                keys.append(name)
+    keys = list(dict.fromkeys(_peer(row) for row in sorted(rows, key=lambda row: row["peer"] != "polyscalpel")))
     return keys.index(key)
 
 
+def solvers(rows, path):
+    """Time of a step against the error at the gate, a panel a body."""
+    rows = [row for row in rows if row.get("gate_error") and "step_ms" in row]
+    if not rows:
+        return False
+    bodies, names = _unique(rows, "body"), list(dict.fromkeys(_solver(row) for row in rows))
+    columns = min(2, len(bodies))
+    figure, grid = plt.subplots(-(-len(bodies) // columns), columns, figsize=(8.0, 7.0), squeeze=False)
+    for axes in grid.flat[len(bodies):]:
+        axes.set_visible(False)
+    for axes, body in zip(grid.flat, bodies):
+        for row in rows:
+            if row["body"] == body:
+                axes.plot(row["step_ms"], 100 * row["gate_error"], linestyle="", markersize=8,
+                          **_style(names.index(_solver(row))))
+        axes.axhline(1e-2, color="black", linestyle="--", linewidth=1)
+        _logarithmic(axes)
+        axes.set_title(body, fontsize=10.5)
+        axes.set_xlabel("a step [ms]")
+        axes.set_ylabel("error of the displacement [%]")
+        axes.tick_params(labelsize=9.5)
+    handles = [plt.Line2D([], [], linestyle="", label=name, **_style(i)) for i, name in enumerate(names)]
+    handles.append(plt.Line2D([], [], color="black", linestyle="--", linewidth=1, label="what is held: 0.01 %"))
+    figure.legend(handles=handles, loc="lower center", ncol=4, fontsize=10)
+    figure.tight_layout(rect=(0, 0.1, 1, 1))
+    _save(figure, path)
+    return True
+
+
+def _solver(row):
+    return row["solver"] if row["threads"] == 1 else f"{row['solver']}, {row['threads']} threads"
+
+
+def scaling(rows, path):
+    """Time of a step and memory against cells."""
+    exponents = {row["family"]: row["exponent"] for row in rows if "exponent" in row}
+    rows = [row for row in rows if "step_ms" in row]
+    if not rows:
+        return False
+    figure, all_axes = plt.subplots(1, 2, figsize=SIZE)
+    series = {}
+    for row in rows:
+        series.setdefault((row["family"], row["solver"]), []).append(row)
+    for i, ((family, solver), of_series) in enumerate(series.items()):
+        label = f"{family}, {solver}"
+        if solver == "auto" and family in exponents:
+            label += f": exponent {exponents[family]:.2f}"
+        cells = [row["cells"] for row in of_series]
+        for axes, key in zip(all_axes, ["step_ms", "memory_mb"]):
+            axes.plot(cells, [row[key] for row in of_series], label=label, linestyle="-", **_style(i))
+    for axes, heading in zip(all_axes, ["a step [ms]", "memory held [MB]"]):
+        _logarithmic(axes)
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.set_xlabel("tetrahedra")
+        axes.set_ylabel(heading)
+    figure.legend(*all_axes[0].get_legend_handles_labels(), loc="lower center", ncol=2, fontsize=10)
+    figure.tight_layout(rect=(0, 0.13, 1, 1))
+    _save(figure, path)
+    return True
+
+
+def after_cuts(rows, path):
+    """Bars a method: what a step of the cut body costs, beside cells and unknowns."""
+    rows = [row for row in rows if "step_ms" in row and row["threads"] == 1]
+    if not rows:
+        return False
+    bodies, methods = _unique(rows, "body"), list(dict.fromkeys(_method(row) for row in rows))
+    quantities = [("cells", "cells"), ("unknowns", "unknowns"), ("steps_per_s", "steps a second")]
+    figure, all_axes = plt.subplots(1, len(quantities), figsize=(8.0, 4.6))
+    for axes, (key, heading) in zip(all_axes, quantities):
+        for i, method in enumerate(methods):
+            of_method = [row for row in rows if _method(row) == method]
+            bars = _bars(axes, i, [bodies.index(row["body"]) for row in of_method], [row[key] for row in of_method], method)
+            axes.bar_label(bars, [f"{row[key]:,.3g}" if row[key] < 1000 else f"{row[key]:,.0f}" for row in of_method],
+                           fontsize=8.5, rotation=90, padding=2)
+        axes.set_xticks(range(len(bodies)), bodies)
+        axes.set_title(heading, fontsize=10.5)
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.6g}"))
+        axes.margins(y=0.25)
+        axes.grid(axis="x", visible=False)
+        axes.tick_params(labelsize=9.5)
+    figure.legend(*all_axes[0].get_legend_handles_labels(), loc="lower center", ncol=3, fontsize=10)
+    figure.tight_layout(rect=(0, 0.09, 1, 1))
+    _save(figure, path)
+    return True
+
+
+def _method(row):
+    return f"{row['method']}: {row['solver']}"
+
+
 PLOTS = {"formulations": formulations, "cutting": cutting, "cell_counts": cell_counts, "integration": integration,
-         "stages": stages, "peers": peers}
+         "stages": stages, "peers": peers, "solvers": solvers, "scaling": scaling, "after_cuts": after_cuts}

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <random>
 #include <string>
 #include <thread>
@@ -9,7 +8,9 @@
 #include <benchmark/benchmark.h>
 #include <malloc.h>
 
+#include "benchmark/bench_cuts.hpp"
 #include "benchmark/bench_rows.hpp"
+#include "benchmark/timing.hpp"
 #include "polyscalpel/collision/contact_detection.hpp"
 #include "polyscalpel/cutting/blade_sweep.hpp"
 #include "polyscalpel/cutting/cut_mesh.hpp"
@@ -23,6 +24,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
+using report::median;
 
 constexpr int kRepetitions = 15;
 
@@ -31,19 +33,14 @@ constexpr int kRepetitions = 15;
 class StopWatch {
  public:
   double lap() {
-    const double now = threadTime();
+    const double now = report::threadSeconds();
     const double seconds = now - last_;
     last_ = now;
     return seconds;
   }
 
  private:
-  static double threadTime() {
-    timespec time;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-  }
-  double last_ = threadTime();
+  double last_ = report::threadSeconds();
 };
 
 /// How the matrices of cells are made.
@@ -116,32 +113,8 @@ class Body {
   int num_threads_;
 };
 
-struct Box {
-  Vector3d centre, half;
-};
-
-Box boxOf(const PolyhedralMesh& mesh) {
-  const Vector3d lowest = mesh.restPositions().rowwise().minCoeff();
-  const Vector3d highest = mesh.restPositions().rowwise().maxCoeff();
-  return {0.5 * (lowest + highest), 0.5 * (highest - lowest)};
-}
-
-/// An oblique plane from above down to the middle of the body, along no face of a generated mesh.
-PolygonCut halfPlane(const PolyhedralMesh& mesh) {
-  const auto [centre, half] = boxOf(mesh);
-  const double reach = 2 * half.norm();
-  const Vector3d along = Vector3d(0.31, 1, 0.07).normalized();
-  const Vector3d up = Vector3d(0.05, -0.06, 1).cross(along).cross(along).normalized() * -1;
-  const Vector3d middle = centre + 0.013 * half;
-  PolygonCut cut;
-  cut.corners_world.resize(3, 4);
-  cut.corners_world << middle - reach * along, middle + reach * along, middle + reach * (along + up),
-      middle + reach * (up - along);
-  return cut;
-}
-
 void halfPlaneRow(benchmark::State& state, const PolyhedralMesh& rest, const Matrices& how) {
-  const PolygonCut cut = halfPlane(rest);
+  const PolygonCut cut = halfPlane(rest.restPositions());
   double cut_s = 0, matrices_s = 0, surface_s = 0;
   for (auto _ : state) {
     Body body(rest, how);
@@ -159,23 +132,12 @@ void halfPlaneRow(benchmark::State& state, const PolyhedralMesh& rest, const Mat
   state.counters["surface_ms"] = 1e3 * surface_s;
 }
 
-double medianSize(const PolyhedralMesh& mesh) {
-  std::vector<double> sizes;
-  for (int i = 0; i < mesh.numVertices(); ++i) sizes.push_back(mesh.localSize(VertexId(i)));
-  std::nth_element(sizes.begin(), sizes.begin() + sizes.size() / 2, sizes.end());
-  return sizes[sizes.size() / 2];
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
-}
-
 /// A short blade is drawn level through the top of the body, in steps of so many local sizes; the row's time
 /// is the median of its steps that split something.
 void progressiveRow(benchmark::State& state, const PolyhedralMesh& rest, double step_in_sizes,
                     const Matrices& how) {
-  const auto [centre, half] = boxOf(rest);
+  const Eigen::AlignedBox3d box = boxOf(rest.restPositions());
+  const Vector3d centre = box.center(), half = 0.5 * box.sizes();
   const double h = medianSize(rest);
   Matrix3Xd edge(3, 2);
   edge << 0, 0, 0, 0.05 * h, -2.5 * h, 2.5 * h;
@@ -263,7 +225,7 @@ void manyRow(benchmark::State& state) {
 }
 
 PlaneCut wholePlane(const PolyhedralMesh& mesh) {
-  return {boxOf(mesh).centre + 0.013 * boxOf(mesh).half, Vector3d(1, -0.31, 0.07)};
+  return {middleOf(mesh.restPositions()), Vector3d(1, -0.31, 0.07)};
 }
 
 void geometryRow(benchmark::State& state, const PolyhedralMesh& rest) {

@@ -50,6 +50,9 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 1;
   polyscalpel::bench::registerCutting(polyscalpel::bench::benchMeshes(meshes));
+  polyscalpel::bench::registerSteps(meshes);
+  polyscalpel::bench::registerStepStages(meshes);
+  polyscalpel::bench::registerStepsAfterCuts(meshes);
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   return 0;

@@ -21,6 +21,8 @@ namespace {
 
 /// Times are compared over stretches of this length, in turns.
 constexpr double kStretch_s = 1.0 / 60;
+/// Our ways to solve that run beside Bullet.
+constexpr SolverKind kOurs[] = {SolverKind::kDirect, SolverKind::kAuto};
 
 struct Body {
   std::string name;
@@ -51,18 +53,22 @@ IntegrationConfig undamped(const Body& body, double time_step_s) {
 }
 
 SimulationState atRest(const Body& body) {
-  return {body.mesh.restPositions(), Eigen::Matrix3Xd::Zero(3, body.mesh.numVertices()), body.fixed};
+  return {body.mesh.restPositions(), Eigen::Matrix3Xd::Zero(3, body.mesh.numVertices()), body.fixed, {}};
 }
 
-Contestant makeOurs(const Body& body, double time_step_s) {
+Contestant makeOurs(const Body& body, double time_step_s, SolverKind kind) {
   struct Ours {
     Assembly assembly;
     ImplicitEuler integrator;
     SimulationState state;
   };
-  const auto ours = std::make_shared<Ours>(Ours{Assembly(body.mesh, body.material, ElementConfig(), 0),
-                                                ImplicitEuler(undamped(body, time_step_s)), atRest(body)});
-  return {"polyscalpel", "linearly implicit Euler, CHOLMOD, double precision", time_step_s,
+  SolverConfig solver;
+  solver.kind = kind;
+  const auto ours =
+      std::make_shared<Ours>(Ours{Assembly(body.mesh, body.material, ElementConfig(), 0),
+                                  ImplicitEuler(undamped(body, time_step_s), solver), atRest(body)});
+  return {"polyscalpel",
+          kind == SolverKind::kDirect ? "direct: CHOLMOD in every step" : "auto, tolerance 1e-4", time_step_s,
           [ours] {
             const IntegrationResult result = ours->integrator.step(ours->state, ours->assembly, {});
             if (result.status != SolveStatus::kSolved) throw std::runtime_error(toString(result.status));
@@ -96,7 +102,8 @@ void simulate(Contestant& contestant, double duration_s) {
 /// Positions at the end of each stretch, to second order in the step: by us, whose error at one step is twice
 /// that at half.
 std::vector<Eigen::Matrix3Xd> referenceMotion(const Body& body, long stretches, double finest_s) {
-  Contestant coarse = makeOurs(body, finest_s), fine = makeOurs(body, finest_s / 2);
+  Contestant coarse = makeOurs(body, finest_s, SolverKind::kDirect);
+  Contestant fine = makeOurs(body, finest_s / 2, SolverKind::kDirect);
   std::vector<Eigen::Matrix3Xd> motion;
   for (long i = 0; i < stretches; ++i) {
     simulate(coarse, kStretch_s);
@@ -207,7 +214,8 @@ Rows studyPeers(const Context& context) {
       context.byMode<std::vector<double>>({1.0 / 60, 1.0 / 240}, {1.0 / 60, 1.0 / 120, 1.0 / 240, 1.0 / 480},
                                           {1.0 / 60, 1.0 / 120, 1.0 / 240, 1.0 / 480, 1.0 / 960});
   std::vector<Contestant> contestants;
-  for (const double h : steps_s) contestants.push_back(makeOurs(small, h));
+  for (const SolverKind kind : kOurs)
+    for (const double h : steps_s) contestants.push_back(makeOurs(small, h, kind));
 #ifdef POLYSCALPEL_HAS_BULLET
   for (const double tolerance : {1e-6, 1e-3, 1e-1})
     for (const double h : steps_s) contestants.push_back(makeBullet(small, h, {1, 300, tolerance}));
@@ -222,7 +230,7 @@ Rows studyPeers(const Context& context) {
   contestants.clear();
   // Long steps and a long time, so that nothing of the swing is left.
   constexpr double kSagStep_s = 2 * kStretch_s, kSagDuration_s = 20;
-  contestants.push_back(makeOurs(small, kSagStep_s));
+  for (const SolverKind kind : kOurs) contestants.push_back(makeOurs(small, kSagStep_s, kind));
 #ifdef POLYSCALPEL_HAS_BULLET
   contestants.push_back(makeBullet(small, kSagStep_s, {1, 300, 1e-6}));
 #endif
@@ -235,7 +243,7 @@ Rows studyPeers(const Context& context) {
   for (const Body& body : large) {
     progress.beginTask(body.name);
     contestants.clear();
-    contestants.push_back(makeOurs(body, body.time_step_s));
+    for (const SolverKind kind : kOurs) contestants.push_back(makeOurs(body, body.time_step_s, kind));
 #ifdef POLYSCALPEL_HAS_BULLET
     contestants.push_back(makeBullet(body, body.time_step_s, {1, 300, 1e-6}));
     contestants.push_back(makeBullet(body, body.time_step_s, {1, 300, 1e-3}));

@@ -8,8 +8,8 @@
 
 #include "benchmark/cut_bodies.hpp"
 #include "benchmark/fine_reference.hpp"
+#include "benchmark/held_tetrahedra.hpp"
 #include "benchmark/report.hpp"
-#include "benchmark/retessellation.hpp"
 #include "benchmark/spectrum.hpp"
 #include "benchmark/timing.hpp"
 #include "polyscalpel/elements/assembly.hpp"
@@ -31,19 +31,6 @@ struct Variant {
   std::unique_ptr<ImplicitEuler> integrator;
   SimulationState state;
 };
-
-/// Vertices that a new mesh added lie inside edges, faces and cells, or are copies: what lies in a held piece
-/// or in the foot is held.
-std::vector<bool> heldPoints(const CutBody& body, const Tetrahedra& tetrahedra) {
-  std::vector<bool> held = body.fixed;
-  held.resize(tetrahedra.points.cols(), true);
-  // A new point is held if all old ones that it shares a cell with are.
-  for (const std::array<int, 4>& cell : tetrahedra.cells)
-    for (const int a : cell)
-      for (const int b : cell)
-        if (a >= body.mesh.numVertices() && b < body.mesh.numVertices() && !body.fixed[b]) held[a] = false;
-  return held;
-}
 
 double volumeOf(const PolyhedralMesh& mesh) {
   return volume(mesh, mesh.restPositions());
@@ -97,8 +84,10 @@ void timeSteps(std::vector<Variant>& variants, const CutBody& body, int rounds) 
   for (Variant& variant : variants) {
     variant.assembly = std::make_unique<Assembly>(variant.mesh, body.material, ElementConfig(), 0);
     variant.integrator = std::make_unique<ImplicitEuler>(integration);
-    variant.state = {variant.mesh.restPositions(), Eigen::Matrix3Xd::Zero(3, variant.mesh.numVertices()),
-                     variant.fixed};
+    variant.state = {variant.mesh.restPositions(),
+                     Eigen::Matrix3Xd::Zero(3, variant.mesh.numVertices()),
+                     variant.fixed,
+                     {}};
     tasks.push_back([&variant] {
       const IntegrationResult result = variant.integrator->step(variant.state, *variant.assembly, {});
       if (result.status != SolveStatus::kSolved) holdFailed(variant.row, toString(result.status));
@@ -124,17 +113,7 @@ Rows studyBody(const CutBody& body, const Context& context) {
     Tetrahedra tetrahedra;
     const double seconds = secondsOf([&, rule = rule] { tetrahedra = retessellate(body.mesh, rule); });
     variant.fixed = heldPoints(body, tetrahedra);
-    variant.mesh = toMesh(tetrahedra);
-    // Where tetrahedra hang together by a vertex alone, the mesh has given them copies of it.
-    const auto points = variant.mesh.restPositions();
-    for (int copy = static_cast<int>(variant.fixed.size()); copy < variant.mesh.numVertices(); ++copy) {
-      Eigen::Index original = 0;
-      (points.leftCols(tetrahedra.points.cols()).colwise() - points.col(copy))
-          .colwise()
-          .squaredNorm()
-          .minCoeff(&original);
-      variant.fixed.push_back(variant.fixed[original]);
-    }
+    variant.mesh = toHeldMesh(tetrahedra, variant.fixed);
     variant.row["retessellation_ms"] = 1e3 * seconds;
     if (rule == Retessellation::kFewest) fewest = std::move(tetrahedra);
   }

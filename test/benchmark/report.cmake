@@ -2,15 +2,10 @@
 # The program of `./run report`. catkin_lint wants every program installed whose target does not name a test.
 
 find_package(nlohmann_json REQUIRED)
-find_path(BULLET_INCLUDE_DIR BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h PATH_SUFFIXES bullet)
-set(bullet_libraries)
-foreach(library BulletSoftBody BulletDynamics BulletCollision LinearMath)
-  find_library(${library}_LIBRARY ${library})
-  list(APPEND bullet_libraries ${${library}_LIBRARY})
-endforeach()
+include(${CMAKE_CURRENT_LIST_DIR}/bullet.cmake)
 
 file(GLOB report_sources CONFIGURE_DEPENDS test/benchmark/*.cpp)
-list(FILTER report_sources EXCLUDE REGEX "/(bullet_body|cut_picture|bench_[a-z]+)\\.cpp$")
+list(FILTER report_sources EXCLUDE REGEX "/(bullet_body|cut_picture|bench_[a-z_]+)\\.cpp$")
 add_executable(polyscalpel_test_report EXCLUDE_FROM_ALL ${report_sources})
 set_target_properties(polyscalpel_test_report PROPERTIES OUTPUT_NAME polyscalpel_report
   RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
@@ -18,15 +13,7 @@ target_include_directories(polyscalpel_test_report PRIVATE ${CMAKE_CURRENT_SOURC
 target_link_libraries(polyscalpel_test_report PRIVATE polyscalpel_test_support nlohmann_json::nlohmann_json)
 string(STRIP "${CMAKE_BUILD_TYPE}: ${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_RELEASE}" report_flags)
 target_compile_definitions(polyscalpel_test_report PRIVATE POLYSCALPEL_REPORT_FLAGS="${report_flags}")
-# Without Bullet the report says that its part was not measured.
-if(BULLET_INCLUDE_DIR AND NOT "${bullet_libraries}" MATCHES NOTFOUND)
-  target_sources(polyscalpel_test_report PRIVATE test/benchmark/bullet_body.cpp)
-  target_include_directories(polyscalpel_test_report SYSTEM PRIVATE ${BULLET_INCLUDE_DIR})
-  target_link_libraries(polyscalpel_test_report PRIVATE ${bullet_libraries})
-  target_compile_definitions(polyscalpel_test_report PRIVATE POLYSCALPEL_HAS_BULLET)
-  # What its own headers leave uninitialised is none of our business.
-  set_source_files_properties(test/benchmark/bullet_body.cpp PROPERTIES COMPILE_OPTIONS -Wno-maybe-uninitialized)
-endif()
+add_bullet(polyscalpel_test_report)
 
 if(POLYSCALPEL_BUILD_ROS)
   # The bag of the report's picture in rviz.

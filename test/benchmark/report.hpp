@@ -24,8 +24,9 @@ enum class Mode {
 
 struct Context {
   Mode mode = Mode::kDefault;
-  std::string bunny_mesh;  ///< path of the bunny as a volume mesh; empty: it could not be had
-  std::string bunny_note;  ///< how the bunny was made, or why it is not there
+  std::string bunny_mesh;     ///< path of the bunny as a volume mesh; empty: it could not be had
+  std::string bunny_note;     ///< how the bunny was made, or why it is not there
+  std::string meshes_folder;  ///< of meshes with known displacements (see knownSubjects); empty: none
   Progress* progress = nullptr;
 
   /// One of three values by mode.
@@ -52,6 +53,9 @@ Rows studyCellCounts(const Context& context);
 Rows studyIntegration(const Context& context);
 Rows studyStages(const Context& context);
 Rows studyPeers(const Context& context);
+Rows studySolvers(const Context& context);
+Rows studyScaling(const Context& context);
+Rows studyAfterCuts(const Context& context);
 Rows studyHardCases(const Context& context);
 Rows studyTorture(const Context& context);
 

@@ -4,6 +4,7 @@
 // --output report.json [options], each option followed by its value. `./run report` calls it.
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <iostream>
@@ -24,6 +25,7 @@ struct Section {
 const std::vector<Section> kSections = {
     {"formulations", studyFormulations}, {"cutting", studyCutting}, {"cell_counts", studyCellCounts},
     {"integration", studyIntegration},   {"stages", studyStages},   {"peers", studyPeers},
+    {"solvers", studySolvers},           {"scaling", studyScaling}, {"after_cuts", studyAfterCuts},
     {"hard_cases", studyHardCases},      {"torture", studyTorture}};
 
 Mode parseMode(const std::string& name) {
@@ -67,6 +69,8 @@ int run(int argc, char** argv) {
   Context context;
   context.mode = parseMode(options.values["mode"]);
   context.bunny_mesh = options.values["bunny"];
+  const char* const folder = std::getenv("POLYSCALPEL_TEST_MESHES");
+  context.meshes_folder = folder ? folder : "";
   context.bunny_note = options.values["bunny-note"];
   const auto start = std::chrono::steady_clock::now();
   Progress progress(static_cast<int>(kSections.size()));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 
 namespace polyscalpel::report {
 
@@ -12,10 +13,20 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
+double threadSeconds() {
+  timespec time;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double wallSeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 double secondsOf(const std::function<void()>& task) {
-  const auto start = std::chrono::steady_clock::now();
+  const double start = wallSeconds();
   task();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return wallSeconds() - start;
 }
 
 std::vector<double> medianSeconds(const std::vector<std::function<void()>>& tasks, int rounds) {

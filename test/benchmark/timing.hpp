@@ -14,6 +14,11 @@ double median(std::vector<double> values);
 /// Wall time of one call [s].
 double secondsOf(const std::function<void()>& task);
 
+/// Seconds of the calling thread's own work since some start: what others do on the machine is not in it.
+double threadSeconds();
+/// Seconds on the wall since some start.
+double wallSeconds();
+
 /// Calls the tasks in turns, `rounds` times after one round that is not counted. Returns each task's median
 /// wall time [s].
 std::vector<double> medianSeconds(const std::vector<std::function<void()>>& tasks, int rounds);
