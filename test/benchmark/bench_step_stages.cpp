@@ -103,8 +103,8 @@ std::unique_ptr<Preconditioner> makePreconditioner(const std::string& solver, co
   convert(pattern, bent.rest_matrix, block_pattern, blocks);
   SingleFactor factor;
   if (factor.factorise(block_pattern, blocks, body.fixed) != SolveStatus::kSolved) return nullptr;
-  auto made = std::make_unique<TurnedFactor>(std::move(factor));
-  made->update(bent.rotations, bent.active);
+  auto made = std::make_unique<TurnedFactor>(std::move(factor), body.fixed);
+  if (made->update(pattern, bent.matrix, bent.rotations, bent.active) != SolveStatus::kSolved) return nullptr;
   return made;
 }
 
