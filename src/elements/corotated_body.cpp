@@ -529,11 +529,10 @@ void CorotatedBody::assemble(const Eigen::VectorXd& vertex_masses, double mass_s
         storeThree(block + 3, c1);
         storeThree(block + 6, c2);
         Scalar* const transposed = &matrix.blocks[9 * static_cast<std::size_t>(pattern_.mirror[entry])];
-        const Quad<Scalar> low = __builtin_shufflevector(c0, c1, 0, 4, 1, 5),
-                           high = __builtin_shufflevector(c0, c1, 2, 6, 3, 7);
-        storeThree(transposed, Quad<Scalar>(__builtin_shufflevector(low, c2, 0, 1, 4, 7)));
-        storeThree(transposed + 3, Quad<Scalar>(__builtin_shufflevector(low, c2, 2, 3, 5, 7)));
-        storeThree(transposed + 6, Quad<Scalar>(__builtin_shufflevector(high, c2, 0, 1, 6, 7)));
+        const Quad<Scalar> low = pick<0, 4, 1, 5>(c0, c1), high = pick<2, 6, 3, 7>(c0, c1);
+        storeThree(transposed, pick<0, 1, 4, 7>(low, c2));
+        storeThree(transposed + 3, pick<2, 3, 5, 7>(low, c2));
+        storeThree(transposed + 6, pick<0, 1, 6, 7>(high, c2));
       }
     }
   });

@@ -32,10 +32,20 @@ template <class Scalar>
 static inline void storeQuad(Scalar* to, const Quad<Scalar>& quad) {
   std::memcpy(to, &quad, sizeof quad);
 }
-/// Component k in all four places. Indexing would take the way through memory.
+/// Four of the eight components of two quads. Indexing would take the way through memory.
+template <int i, int j, int k, int l, class Vector>
+static inline Vector pick(const Vector& a, const Vector& b) {
+#if defined(__clang__) || __GNUC__ >= 12
+  return __builtin_shufflevector(a, b, i, j, k, l);
+#else
+  using Places = decltype(a < b);  // integers as wide as the components
+  return __builtin_shuffle(a, b, Places{i, j, k, l});
+#endif
+}
+/// Component k in all four places.
 template <int k, class Vector>
 static inline Vector spread(const Vector& quad) {
-  return __builtin_shufflevector(quad, quad, k, k, k, k);
+  return pick<k, k, k, k>(quad, quad);
 }
 
 /// The first three alone.
