@@ -28,10 +28,6 @@ static inline Quad<Scalar> loadQuad(const Scalar* from) {
   std::memcpy(&quad, from, sizeof quad);
   return quad;
 }
-template <class Scalar>
-static inline void storeQuad(Scalar* to, const Quad<Scalar>& quad) {
-  std::memcpy(to, &quad, sizeof quad);
-}
 /// Four of the eight components of two quads. Indexing would take the way through memory.
 template <int i, int j, int k, int l, class Vector>
 static inline Vector pick(const Vector& a, const Vector& b) {
