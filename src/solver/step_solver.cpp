@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t kFewVertices = 6000;
 /// Where stiffness is less than this many times the mass in the matrix, diagonal blocks need few iterations.
 constexpr double kMildStiffness = 4;
-/// A patch of more than this part of the vertices costs as much as it saves.
+/// A patch of more than this part of the factor's vertices costs as much as it saves.
 constexpr double kLargestPatch = 0.35;
 /// A finer tolerance is not for single precision: rounding x alone leaves more.
 constexpr double kSingleTolerance = 1e-5;
@@ -111,7 +111,10 @@ struct StepSolver::Impl {
   void takeBody(StepSystem& system);
   void prepare(StepSystem& system);
   void refresh(StepSystem& system);
-  void dropLargePatch();
+  void takeNextFactor();
+  void takeFactor(MadeFactor made, const std::vector<bool>& its_fixed);
+  bool hasLargePatch() const;
+  void replaceLargePatch(StepSystem& system);
   void prepareAggregates(StepSystem& system);
   template <class Scalar>
   void update(StepSystem& system, Lane<Scalar>& lane, Preconditioner& chosen);
@@ -221,13 +224,7 @@ void StepSolver::Impl::prepare(StepSystem& system) {
   prepareAggregates(system);
   choose(system);
   if (kind == SolverKind::kFactor) {
-    MadeFactor made = makeFactor(system.pattern(), rest_matrix, fixed);
-    if (made.status == SolveStatus::kSolved) {
-      factor.emplace(std::move(made.factor), fixed);
-    } else {
-      kind = SolverKind::kAggregates;
-      reason = std::string("of the rest shape's factor, ") + toString(made.status);
-    }
+    takeFactor(makeFactor(system.pattern(), rest_matrix, fixed), fixed);
   }
   is_restarted = is_cut = is_stale = false;
   stale_steps = 0;
@@ -253,25 +250,47 @@ void StepSolver::Impl::refresh(StepSystem& system) {
     next_factor = std::async(std::launch::async, [rows = system.pattern(), matrix = rest_matrix,
                                                   fixed = fixed] { return makeFactor(rows, matrix, fixed); });
   }
-  if (stale_steps <= config.refresh_after_steps) return;
+  if (stale_steps > config.refresh_after_steps) takeNextFactor();
+  if (!factor) prepareAggregates(system);
+}
+
+void StepSolver::Impl::takeNextFactor() {
   MadeFactor made = next_factor.get();
   stale_steps = 0;
   is_stale = !next_touched.empty();
+  takeFactor(std::move(made), next_fixed);
+  if (factor && is_stale) factor->follow(next_added, next_touched);
+}
+
+void StepSolver::Impl::takeFactor(MadeFactor made, const std::vector<bool>& its_fixed) {
+  factor.reset();
   if (made.status == SolveStatus::kSolved) {
-    factor.emplace(std::move(made.factor), next_fixed);
-    if (is_stale) factor->follow(next_added, next_touched);
-    dropLargePatch();
+    factor.emplace(std::move(made.factor), its_fixed);
   } else {
-    factor.reset();
     is_stale = false;
     kind = SolverKind::kAggregates;
     reason = std::string("of the rest shape's factor, ") + toString(made.status);
   }
-  if (!factor) prepareAggregates(system);
 }
 
-void StepSolver::Impl::dropLargePatch() {
-  if (factor && factor->patchSize() > kLargestPatch * factor->numVertices()) factor.reset();
+bool StepSolver::Impl::hasLargePatch() const {
+  return factor && factor->patchSize() > kLargestPatch * factor->numVertices();
+}
+
+// Where cuts have touched too much, a step waits for the factor that is under way, or for one of its own.
+void StepSolver::Impl::replaceLargePatch(StepSystem& system) {
+  if (hasLargePatch() && next_factor.valid()) takeNextFactor();
+  if (!hasLargePatch()) return;
+  takeBody(system);
+  choose(system);  // cuts make vertices
+  is_stale = false;
+  stale_steps = 0;
+  if (kind == SolverKind::kFactor) {
+    takeFactor(makeFactor(system.pattern(), rest_matrix, fixed), fixed);
+  } else {
+    factor.reset();
+  }
+  aggregates.reset();
 }
 
 // The aggregates of the body as it is now are made when they are first asked for.
@@ -443,7 +462,6 @@ void StepSolver::follow(const std::vector<AddedVertex>& added, const std::vector
     s.next_touched.insert(s.next_touched.end(), touched.begin(), touched.end());
   }
   if (s.factor) s.factor->follow(added, touched);
-  s.dropLargePatch();
 }
 
 SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, bool begins_step,
@@ -453,6 +471,7 @@ SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, boo
   if (s.is_restarted) {
     s.prepare(system);
   } else {
+    if (s.is_cut && s.factor) s.replaceLargePatch(system);
     if (s.is_cut && !s.factor) s.prepareAggregates(system);
     s.is_cut = false;
     if (begins_step && s.is_stale) s.refresh(system);

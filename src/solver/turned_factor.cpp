@@ -2,6 +2,9 @@
 #include "polyscalpel/solver/turned_factor.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
 #include <utility>
 
 #include "polyscalpel/core/checks.hpp"
@@ -95,7 +98,41 @@ SolveStatus TurnedFactor::factorPatch() {
   moved_.assign(paddedSize(pattern_->numVertices()), 0.0F);
   left_.assign(paddedSize(pattern_->numVertices()), 0.0F);
   if (patch_active_.empty()) return SolveStatus::kSolved;
-  return patch_factor_.factorise(pattern, blocks, std::vector<bool>(patch_active_.size(), false));
+  const SolveStatus status =
+      patch_factor_.factorise(pattern, blocks, std::vector<bool>(patch_active_.size(), false));
+  // Between two corrections by S the coarse one keeps B positive only where no eigenvalue of S A reaches 2;
+  // slivers may be too much for single precision. Added up, S and the coarse one are always positive.
+  constexpr double kExact = 1.3;
+  if (status == SolveStatus::kSolved && largestOfPatch() > kExact) beside_.clear();
+  return status;
+}
+
+// Estimate of the largest eigenvalue of S A within the patch, by power iteration. Just factored, so S needs
+// no turning.
+double TurnedFactor::largestOfPatch() {
+  constexpr int kSteps = 6;
+  double length = 0;
+  for (std::size_t k = 0; k < patch_values_.size(); ++k) {
+    patch_values_[k] = static_cast<float>(static_cast<int>(k * 7919 % 1009) - 504);
+    length += patch_values_[k] * patch_values_[k];
+  }
+  double largest = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    const double scale = length > 0 ? 1 / std::sqrt(length) : 0;
+    for (std::size_t k = 0; k < patch_active_.size(); ++k) {
+      for (int c = 0; c < 3; ++c)
+        left_[3 * patch_active_[k] + c] = static_cast<float>(scale * patch_values_[3 * k + c]);
+    }
+    multiply(*pattern_, *matrix_, patch_active_, left_.data(), moved_.data());
+    for (std::size_t k = 0; k < patch_active_.size(); ++k) {
+      for (int c = 0; c < 3; ++c) patch_values_[3 * k + c] = moved_[3 * patch_active_[k] + c];
+    }
+    patch_factor_.solve(patch_values_.data());
+    length = 0;
+    for (const float value : patch_values_) length += static_cast<double>(value) * value;
+    largest = std::isfinite(length) ? std::sqrt(length) : std::numeric_limits<double>::infinity();
+  }
+  return largest;
 }
 
 // result += R P A_0^-1 P^T R^T residual.
@@ -156,6 +193,7 @@ void TurnedFactor::apply(const float* residual, float* result) {
   }
   if (patch_active_.empty()) return addCoarse(residual, result);
   addPatch(residual, result);
+  if (beside_.empty()) return addCoarse(residual, result);
   std::copy(residual, residual + left_.size(), left_.begin());
   multiply(*pattern_, *matrix_, beside_, result, moved_.data());
   for (const int i : beside_) {

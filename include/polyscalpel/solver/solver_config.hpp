@@ -39,7 +39,7 @@ struct SolverConfig {
   /// is left; what a step computes then depends on the machine's speed.
   std::optional<double> step_budget_ms;
   /// In [1, 1000000]: so many steps after a cut kFactor takes over a factor of the cut body; until
-  /// then the old one serves, with a patch around the slit, or aggregates where the patch would be too large.
+  /// then the old one serves, with a patch around the slit. At once where the patch would be too large.
   int refresh_after_steps = 30;
 };
 

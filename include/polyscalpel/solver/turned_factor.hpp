@@ -53,6 +53,7 @@ class TurnedFactor final : public Preconditioner {
     float weight = 0;
   };
   SolveStatus factorPatch();
+  double largestOfPatch();
   void addCoarse(const float* residual, float* result);
   void addPatch(const float* residual, float* result);
 
@@ -67,7 +68,7 @@ class TurnedFactor final : public Preconditioner {
   bool is_patch_factored_ = true;
   SingleFactor patch_factor_;
   std::vector<int> patch_active_;       // of these, those in its factor
-  std::vector<int> beside_;             // rows that feel the patch
+  std::vector<int> beside_;             // rows that feel the patch; empty: the two are added up
   std::vector<float> patch_rotations_;  // 9 a vertex of patch_active_, when it was factored
   std::vector<float> patch_values_, moved_, left_;
 
