@@ -25,6 +25,9 @@ constexpr std::size_t kFewVertices = 6000;
 constexpr double kMildStiffness = 4;
 /// A patch of more than this part of the factor's vertices costs as much as it saves.
 constexpr double kLargestPatch = 0.35;
+/// Contacts that are stiffer than the body are not in its rest shape's factor. What takes more iterations
+/// than this for them costs more than factoring the matrix does.
+constexpr int kMostForContacts = 30;
 /// A finer tolerance is not for single precision: rounding x alone leaves more.
 constexpr double kSingleTolerance = 1e-5;
 
@@ -64,6 +67,7 @@ struct StepSolver::Impl {
   bool is_cut = false;    // since the last solve
   bool is_stale = false;  // the factor is of the body before a cut, or there is none
   int stale_steps = 0;
+  bool has_stiff_contacts = false;      // from the step on that found it, until nothing touches
   SolverKind kind = SolverKind::kAuto;  // what the config or the choice says
   std::string reason;
 
@@ -366,6 +370,9 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
                                SolverReport& report, SolveResult& result) {
   const std::vector<int>& active = system.active();
   system.assemble(lane.matrix);
+  const bool is_touched = kind == SolverKind::kFactor && !lane.matrix.ties.empty();
+  has_stiff_contacts = has_stiff_contacts && is_touched;
+  if (has_stiff_contacts) return false;
   Preconditioner& chosen = preconditioner(system, report);
   update(system, lane, chosen);
 
@@ -387,7 +394,8 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   IterationLimits limits;
   limits.tolerance = config.tolerance;
   limits.error_target = config.error_target;
-  limits.max_iterations = config.max_iterations;
+  limits.max_iterations =
+      is_touched ? std::min(config.max_iterations, kMostForContacts) : config.max_iterations;
   if (config.step_budget_ms) {
     limits.deadline = step_start + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                                        std::chrono::duration<double, std::milli>(*config.step_budget_ms));
@@ -399,6 +407,7 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   report.estimated_error = done.estimated_error;
   report.budget_ended = report.budget_ended || done.end == IterationResult::End::kDeadline;
   result.relative_residual = done.relative_residual;
+  has_stiff_contacts = is_touched && done.end == IterationResult::End::kIterations;
   if (done.end == IterationResult::End::kIterations || done.end == IterationResult::End::kBreakdown ||
       !lane.x.allFinite()) {
     result.status = SolveStatus::kInaccurate;
@@ -484,13 +493,14 @@ SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, boo
                         (s.config.precision == Precision::kAuto && finest >= kSingleTolerance);
     if (single) {
       if (s.iterate(system, s.single, b, step_start, x, report, result)) return result;
-      ++report.fallbacks;
+      if (!s.has_stiff_contacts) ++report.fallbacks;
     }
-    if (result.status != SolveStatus::kNotFinite) {
+    if (result.status != SolveStatus::kNotFinite && !s.has_stiff_contacts) {
       if (s.iterate(system, s.twofold, b, step_start, x, report, result)) return result;
-      ++report.fallbacks;
+      if (!s.has_stiff_contacts) ++report.fallbacks;
     }
-    report.reason = "conjugate gradients failed";
+    report.reason =
+        s.has_stiff_contacts ? "contacts are stiffer than the body" : "conjugate gradients failed";
   }
   report.kind = SolverKind::kDirect;
   report.is_single = false;
