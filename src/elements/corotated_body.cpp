@@ -352,6 +352,12 @@ void* roomFor(int num_modes) {
   return reinterpret_cast<void*>((address + 63) / 64 * 64);
 }
 
+/// Columns side by side, as the kernels take them.
+const double* numbersOf(const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
+  POLYSCALPEL_ASSERT(positions.outerStride() == 3);
+  return positions.data();
+}
+
 }  // namespace
 
 CellBatch CorotatedBody::view(const Batch& batch) const {
@@ -390,22 +396,25 @@ void CorotatedBody::setAsleep(const std::vector<char>& asleep) {
 }
 
 void CorotatedBody::linearise(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, bool exact_force) {
+  const double* const points = numbersOf(positions);
   const CorotatedKernels& kernels = corotatedKernels();
   turned_float_.is_current = turned_double_.is_current = false;
   forEachBatch([&](int b, const CellBatch& batch, void* room) {
-    kernels.linearise(batch, positions.data(), exact_force, room, &rotations_[36 * b], &spins_[12 * b]);
+    kernels.linearise(batch, points, exact_force, room, &rotations_[36 * b], &spins_[12 * b]);
   });
 }
 
 void CorotatedBody::lineariseWithForces(const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
                                         const Eigen::Ref<const Eigen::Matrix3Xd>& ahead, bool exact_force,
                                         Eigen::Matrix3Xd& forces) {
+  const double* const points = numbersOf(positions);
+  const double* const points_ahead = numbersOf(ahead);
   const CorotatedKernels& kernels = corotatedKernels();
   turned_double_.is_current = false;
   resizeTurned(turned_float_);
   forEachBatch([&](int b, const CellBatch& batch, void* room) {
-    kernels.linearise(batch, positions.data(), exact_force, room, &rotations_[36 * b], &spins_[12 * b]);
-    kernels.forces(batch, ahead.data(), &rotations_[36 * b], &spins_[12 * b], room,
+    kernels.linearise(batch, points, exact_force, room, &rotations_[36 * b], &spins_[12 * b]);
+    kernels.forces(batch, points_ahead, &rotations_[36 * b], &spins_[12 * b], room,
                    &corner_forces_[4 * static_cast<std::size_t>(batches_[b].first_corner)]);
     makeTurned(b, batch, room, turned_float_);
   });
@@ -430,9 +439,10 @@ Eigen::Matrix3d CorotatedBody::rotationOf(CellId cell) const {
 
 void CorotatedBody::internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
                                    Eigen::Matrix3Xd& forces) {
+  const double* const points = numbersOf(positions);
   const CorotatedKernels& kernels = corotatedKernels();
   forEachBatch([&](int b, const CellBatch& batch, void* room) {
-    kernels.forces(batch, positions.data(), &rotations_[36 * b], &spins_[12 * b], room,
+    kernels.forces(batch, points, &rotations_[36 * b], &spins_[12 * b], room,
                    &corner_forces_[4 * static_cast<std::size_t>(batches_[b].first_corner)]);
   });
   gatherForces(forces);

@@ -89,7 +89,6 @@ struct StepSolver::Impl {
     DifferenceMatrix<Scalar> matrix;
     ConjugateGradients<Scalar> iteration;
     Eigen::Matrix<Scalar, Eigen::Dynamic, 1> b, x, product;
-    std::vector<Eigen::Matrix<Scalar, Eigen::Dynamic, 1>> products;
   };
   // Vertices of each part of the body that nothing holds.
   bool knows_free_parts = false;
@@ -305,7 +304,6 @@ void StepSolver::Impl::prepareAggregates(StepSystem& system) {
 
 Preconditioner& StepSolver::Impl::preconditioner(StepSystem& system, SolverReport& report) {
   report.kind = kind;
-  if (kind == SolverKind::kFactor && !factor) report.kind = SolverKind::kAggregates;
   if (report.kind == SolverKind::kAggregates && !aggregates) {
     aggregates.emplace();
     const SolveStatus status =

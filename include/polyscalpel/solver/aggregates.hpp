@@ -20,8 +20,9 @@ std::vector<int> makeAggregates(const RowPattern& pattern, const std::vector<int
 
 /// Two levels, added up: the matrix's diagonal blocks, and the rigid motions of groups of vertices with the
 /// rest shape's matrix turned with each vertex, R P (P^T A_0 P)^-1 P^T R^T. Made in a fraction of a factor's
-/// time, and its cost a vertex does not grow with the body (B. Nour-Omid et al. and many later: coarse spaces
-/// by aggregation; here with rotations, which near-rigid parts of a corotated body need).
+/// time, and its cost a vertex does not grow with the body. Rigid motions of sets of cells as a coarse space:
+/// T. Joensthoevel, M. van Gijzen, S. MacLachlan, C. Vuik, A. Scarpas, "Comparison of the deflated
+/// preconditioned conjugate gradient method and algebraic multigrid for composite materials", 2011.
 class AggregatePreconditioner final : public Preconditioner {
  public:
   /// rest_matrix: A_0; rest_positions: 3 x n [m].

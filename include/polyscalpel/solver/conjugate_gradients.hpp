@@ -33,7 +33,7 @@ struct IterationResult {
 };
 
 /// Preconditioned conjugate gradients (M. Hestenes, E. Stiefel, "Methods of Conjugate Gradients for Solving
-/// Linear Systems", 1952). The error is told by their equation 6:1: |x_k - x|^2 in the norm of A is the sum
+/// Linear Systems", 1952). The error is told by their theorem 6:1: |x_k - x|^2 in the norm of A is the sum
 /// of alpha_j r_j.z_j over all later steps j (Z. Strakos, P. Tichy, "On Error Estimation in the Conjugate
 /// Gradient Method and Why It Works in Finite Precision Computations", 2002); of these the next few are taken
 /// from how the last ones fell. Sums run in double precision, in a fixed order.
