@@ -4,7 +4,6 @@
 import os
 import subprocess
 import sys
-import time
 import unittest
 
 import roslib.packages
@@ -18,6 +17,7 @@ from bridge_testing import HERE, Hand, Listener, Services, digest, wait_until  #
 
 PATH = os.path.join(os.path.dirname(os.path.dirname(HERE)), 'config', 'tools', 'spiral_scalpel.yaml')
 H = 0.01
+STEPS_PER_MESH = 4
 
 
 class SpiralTest(unittest.TestCase):
@@ -25,7 +25,10 @@ class SpiralTest(unittest.TestCase):
         """A good machine takes half a minute for them all: each hundred has its own patience."""
         for part in list(range(100, count, 100)) + [count]:
             wait_until(lambda: listener.status and listener.status[-1].step >= part, 'step %d' % part)
-        time.sleep(1)
+        # The big meshes take longer to read than to make: a busy machine is many of them behind the status.
+        counts = [(listener.mesh, count // STEPS_PER_MESH), (listener.contacts, count), (listener.wrenches['scalpel'], count)]
+        for messages, expected in counts:
+            wait_until(lambda m=messages, e=expected: len(m) >= e, 'what the steps published')
 
     def test_two_pieces_come_of_it_and_a_replay_is_the_same(self):
         rospy.init_node('spiral_rostest')
@@ -63,7 +66,7 @@ class SpiralTest(unittest.TestCase):
         first = seen()
         self.assertTrue(services.reset().success)
         wait_until(lambda: listener.status[-1].step == 0, 'the reset')
-        time.sleep(1)
+        wait_until(lambda: listener.mesh[-1].markers[0].header.stamp == rospy.Time(), 'the mesh of the reset')
         listener.clear()
         hand = Hand(['scalpel'])
         for pose in poses:
