@@ -378,7 +378,10 @@ void Assembly::linearise(const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
   POLYSCALPEL_ASSERT(positions.cols() == numVertices());
   if (hasConstantStiffness()) return;
   const bool exact_force = kinds_.front().element.exact_force;
-  if (body_) return body_->linearise(positions, exact_force);
+  if (body_) {
+    body_->setStill({});
+    return body_->linearise(positions, exact_force);
+  }
   for (const PackedCell& cell : cells_) {
     linearisations_[cell.cell] =
         polyscalpel::linearise(*measure_, view(cell), gather(cell, positions, gathered_), exact_force, work_);
@@ -386,7 +389,10 @@ void Assembly::linearise(const Eigen::Ref<const Eigen::Matrix3Xd>& positions) {
 }
 
 void Assembly::lineariseAtRest() {
-  if (body_) return body_->lineariseAtRest();
+  if (body_) {
+    body_->setStill({});
+    return body_->lineariseAtRest();
+  }
   linearisations_.assign(elements_.size(), CellLinearisation());
 }
 

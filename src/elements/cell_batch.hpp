@@ -51,9 +51,10 @@ struct CorotatedKernels {
   TurnedKernels<float> single;
   TurnedKernels<double> twofold;
   /// For each of `count` vertices the rotation nearest to the weighted sum of those of kCellsAMean cells, 9
-  /// numbers each, column by column. cells: places, kBatchSize a batch.
-  void (*mean_rotations)(const double* rotations, const int* cells, const double* weights, int count,
-                         float* result);
+  /// numbers each, column by column. cells: places, kBatchSize a batch; these, weights and result of all
+  /// vertices.
+  void (*mean_rotations)(const double* rotations, const int* cells, const double* weights,
+                         const int* vertices, int count, float* result);
 };
 
 template <class Scalar>

@@ -155,8 +155,8 @@ void CorotatedBody::update(int num_vertices, const std::vector<CellId>& removed,
   rotation_weights_.resize(kCellsAMean * static_cast<std::size_t>(num_vertices), 0.0);
   updateCorners(added);
   turned_float_.is_current = turned_double_.is_current = false;
-  asleep_.clear();
-  batch_is_asleep_.clear();
+  still_.clear();
+  batch_is_still_.clear();
   std::vector<int> touched;
   int num_touched_entries = 0;
   for (int i = 0; i < num_vertices; ++i) {
@@ -180,6 +180,7 @@ void CorotatedBody::update(int num_vertices, const std::vector<CellId>& removed,
     num_left_entries_ += num_touched_entries;
   }
   makeRows(touched);
+  selectRows();
 }
 
 // Corners of new cells go behind those that their vertices have, and all of a vertex move to the end of the
@@ -374,24 +375,41 @@ void CorotatedBody::forEachBatch(const Visit& visit) const {
   parallelChunks(static_cast<int>(batches_.size()), kBatchesAChunk, num_threads_, [&](int first, int last) {
     void* const room = roomFor(most_modes_);
     for (int b = first; b < last; ++b) {
-      if (batch_is_asleep_.empty() || !batch_is_asleep_[b]) visit(b, view(batches_[b]), room);
+      if (batch_is_still_.empty() || !batch_is_still_[b]) visit(b, view(batches_[b]), room);
     }
   });
 }
 
-void CorotatedBody::setAsleep(const std::vector<char>& asleep) {
-  if (asleep == asleep_) return;
-  asleep_ = asleep;
-  batch_is_asleep_.clear();
-  // What was made while others slept may lack those that wake.
+void CorotatedBody::setStill(const std::vector<char>& still) {
+  if (still == still_) return;
+  still_ = still;
+  batch_is_still_.clear();
+  // What was made while others were still may lack those that move now.
   turned_float_.is_current = turned_double_.is_current = false;
-  if (asleep_.empty()) return;
-  POLYSCALPEL_ASSERT(static_cast<int>(asleep_.size()) == pattern_.numVertices());
+  selectRows();
+  if (still_.empty()) return;
+  POLYSCALPEL_ASSERT(static_cast<int>(still_.size()) == pattern_.numVertices());
   for (const Batch& batch : batches_) {
     bool all = true;
-    for (int lane = 0; lane < kBatchSize; ++lane)
-      all = all && (batch.cells[lane] < 0 || asleep_[vertices_[batch.first_corner + lane]] != 0);
-    batch_is_asleep_.push_back(all ? 1 : 0);
+    for (int k = 0; k < kBatchSize * batch.num_vertices; ++k) {
+      const bool is_there = batch.cells[k % kBatchSize] >= 0;
+      all = all && (!is_there || still_[vertices_[batch.first_corner + k]] != 0);
+    }
+    batch_is_still_.push_back(all ? 1 : 0);
+  }
+}
+
+// A row makes the transposed blocks below the diagonal too, so one that is still serves those that move.
+void CorotatedBody::selectRows() {
+  moving_.clear();
+  rows_.clear();
+  for (int i = 0; i < pattern_.numVertices(); ++i) {
+    bool is_needed = !isStill(i);
+    if (is_needed) moving_.push_back(i);
+    const RowPattern::Row& row = pattern_.rows[i];
+    for (int entry = row.first_above; !is_needed && entry < row.first + row.count; ++entry)
+      is_needed = !isStill(pattern_.column[entry]);
+    if (is_needed) rows_.push_back(i);
   }
 }
 
@@ -449,12 +467,15 @@ void CorotatedBody::internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& pos
 }
 
 void CorotatedBody::gatherForces(Eigen::Matrix3Xd& forces) const {
-  const int num_vertices = pattern_.numVertices();
-  forces.resize(3, num_vertices);
-  parallelChunks(num_vertices, kVerticesAChunk, num_threads_, [&](int first, int last) {
-    for (int i = first; i < last; ++i) {
-      Span span = corners_of_vertex_[i];
-      if (isAsleep(i)) span.count = 0;
+  if (still_.empty()) {
+    forces.resize(3, pattern_.numVertices());
+  } else {
+    forces.setZero(3, pattern_.numVertices());
+  }
+  parallelChunks(static_cast<int>(moving_.size()), kVerticesAChunk, num_threads_, [&](int first, int last) {
+    for (int m = first; m < last; ++m) {
+      const int i = moving_[m];
+      const Span& span = corners_of_vertex_[i];
       double sum[3] = {0, 0, 0};
       for (int k = span.first; k < span.first + span.count; ++k) {
         const double* const force = &corner_forces_[4 * static_cast<std::size_t>(corners_[k].corner)];
@@ -466,12 +487,11 @@ void CorotatedBody::gatherForces(Eigen::Matrix3Xd& forces) const {
 }
 
 void CorotatedBody::vertexRotations(std::vector<float>& rotations) {
-  const int num_vertices = pattern_.numVertices();
-  rotations.resize(9 * static_cast<std::size_t>(num_vertices));
+  rotations.resize(9 * static_cast<std::size_t>(pattern_.numVertices()));
   const CorotatedKernels& kernels = corotatedKernels();
-  parallelChunks(num_vertices, kVerticesAChunk, num_threads_, [&](int first, int last) {
-    kernels.mean_rotations(rotations_.data(), &rotation_places_[kCellsAMean * first],
-                           &rotation_weights_[kCellsAMean * first], last - first, &rotations[9 * first]);
+  parallelChunks(static_cast<int>(moving_.size()), kVerticesAChunk, num_threads_, [&](int first, int last) {
+    kernels.mean_rotations(rotations_.data(), rotation_places_.data(), rotation_weights_.data(),
+                           &moving_[first], last - first, rotations.data());
   });
 }
 
@@ -504,14 +524,20 @@ void CorotatedBody::assemble(const Eigen::VectorXd& vertex_masses, double mass_s
   }
   matrix.resize(pattern_);
   const Scalar scale = static_cast<Scalar>(stiffness_scale);
-  parallelChunks(pattern_.numVertices(), kVerticesAChunk, num_threads_, [&](int first, int last) {
-    for (int i = first; i < last; ++i) {
-      if (isAsleep(i)) continue;
+  parallelChunks(static_cast<int>(rows_.size()), kVerticesAChunk, num_threads_, [&](int first, int last) {
+    for (int r = first; r < last; ++r) {
+      const int i = rows_[r];
+      const bool is_still = isStill(i);
       matrix.masses[i] = mass_scale * vertex_masses[i];
       const RowPattern::Row& row = pattern_.rows[i];
       const Pair* pair = pairs_.data() + first_pair_[i];
       const int* stabiliser = stabilisers_.data() + first_stabiliser_[i];
       for (int entry = row.first_above; entry < row.first + row.count; ++entry) {
+        if (is_still && isStill(pattern_.column[entry])) {
+          pair += incidences_[entry].num_pairs;
+          stabiliser += incidences_[entry].num_stabilisers;
+          continue;
+        }
         Quad<Scalar> c0 = {}, c1 = {}, c2 = {};
         for (const Pair* const end = pair + incidences_[entry].num_pairs; pair != end; ++pair) {
           const Quad<Scalar> a = loadQuad(&turned.gradients[4 * static_cast<std::size_t>(pair->row_corner)]);
@@ -554,16 +580,17 @@ template void CorotatedBody::assemble<double>(const Eigen::VectorXd&, double, do
                                               DifferenceMatrix<double>&);
 
 void CorotatedBody::assembleAtRest(const Eigen::VectorXd& vertex_masses, double mass_scale,
-                                   double stiffness_scale, DifferenceMatrix<double>& matrix) {
+                                   double stiffness_scale, const std::vector<char>& still,
+                                   DifferenceMatrix<double>& matrix) {
   const std::vector<double> rotations = rotations_, spins = spins_;
-  const std::vector<char> asleep = asleep_;
-  setAsleep({});
+  const std::vector<char> still_now = still_;
+  setStill(still);
   lineariseAtRest();
   assemble(vertex_masses, mass_scale, stiffness_scale, matrix);
   rotations_ = rotations;
   spins_ = spins;
   turned_float_.is_current = turned_double_.is_current = false;
-  setAsleep(asleep);
+  setStill(still_now);
 }
 
 // As the matrix: row sums, and differences to the neighbours.

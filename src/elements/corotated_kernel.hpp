@@ -294,13 +294,13 @@ class CorotatedKernel {
     }
   }
 
-  static void meanRotations(const double* rotations, const int* cells, const double* weights, int count,
-                            float* result) {
+  static void meanRotations(const double* rotations, const int* cells, const double* weights,
+                            const int* vertices, int count, float* result) {
     for (int first = 0; first < count; first += Real::kSize) {
       Matrix sum;
       for (int k = 0; k < 9; ++k) sum[k] = 0;
       for (int lane = 0; lane < Real::kSize; ++lane) {
-        const int vertex = first + lane < count ? first + lane : count - 1;
+        const int vertex = vertices[first + lane < count ? first + lane : count - 1];
         for (int i = kCellsAMean * vertex; i < kCellsAMean * (vertex + 1); ++i) {
           const double* const R = rotations + 9 * kStride * (cells[i] / kStride) + cells[i] % kStride;
           for (int k = 0; k < 9; ++k) sum[k].set(lane, sum[k][lane] + weights[i] * R[kStride * k]);
@@ -308,7 +308,7 @@ class CorotatedKernel {
       }
       const Matrix R = polarRotation(sum);
       for (int lane = 0; lane < Real::kSize && first + lane < count; ++lane) {
-        for (int k = 0; k < 9; ++k) result[9 * (first + lane) + k] = static_cast<float>(R[k][lane]);
+        for (int k = 0; k < 9; ++k) result[9 * vertices[first + lane] + k] = static_cast<float>(R[k][lane]);
       }
     }
   }

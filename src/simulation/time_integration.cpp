@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polyscalpel/simulation/time_integration.hpp"
 
+#include <algorithm>
+
 #include "contact_terms.hpp"
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/core/stage_timer.hpp"
@@ -36,7 +38,14 @@ class BodySystem final : public StepSystem {
   void assemble(DifferenceMatrix<float>& matrix) override { assembleIn(matrix); }
   void assemble(DifferenceMatrix<double>& matrix) override { assembleIn(matrix); }
   void assembleAtRest(DifferenceMatrix<double>& matrix) override {
-    body_.assembleAtRest(assembly_.vertexMasses(), mass_scale_, stiffness_scale_, matrix);
+    std::vector<char> fixed(movable_.size() < static_cast<std::size_t>(pattern().numVertices())
+                                ? pattern().numVertices()
+                                : 0,
+                            1);
+    if (!fixed.empty()) {
+      for (const int i : movable_) fixed[i] = 0;
+    }
+    body_.assembleAtRest(assembly_.vertexMasses(), mass_scale_, stiffness_scale_, fixed, matrix);
   }
   void vertexRotations(std::vector<float>& rotations) override {
     const StageTimer timer(assembly_s_);
@@ -93,12 +102,21 @@ bool ImplicitEuler::iterates(Assembly& assembly) const {
   return solver_config_.kind != SolverKind::kDirect && assembly.corotatedBody() != nullptr;
 }
 
+// One flag a vertex, or empty where all move.
+const std::vector<char>& ImplicitEuler::stillVertices(const SimulationState& state, bool may_sleep) {
+  still_.assign(state.fixed.begin(), state.fixed.end());
+  if (may_sleep && !state.asleep.empty()) {
+    for (std::size_t i = 0; i < still_.size(); ++i) still_[i] = still_[i] != 0 || state.asleep[i] != 0;
+  }
+  if (std::find(still_.begin(), still_.end(), 1) == still_.end()) still_.clear();
+  return still_;
+}
+
 // f_int(x) + (h + b) K v is the force at x + (h + b) v by the same linearisation: K v costs nothing of its
 // own.
 void ImplicitEuler::prepareRightSide(const SimulationState& state, Assembly& assembly) {
   const double h = config_.time_step_s, a = config_.mass_damping_per_s, b = config_.stiffness_damping_s;
-  if (assembly.corotatedBody())
-    assembly.corotatedBody()->setAsleep(iterates(assembly) ? state.asleep : std::vector<char>());
+  if (assembly.corotatedBody()) assembly.corotatedBody()->setStill(stillVertices(state, iterates(assembly)));
   work_ = state.positions + (h + b) * state.velocities;
   assembly.lineariseWithForces(state.positions, work_, forces_);
   rhs_ = config_.gravity_m_s2 * assembly.vertexMasses().transpose();

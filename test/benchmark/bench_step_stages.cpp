@@ -37,7 +37,7 @@ struct BentBody {
     ahead = state.positions + h * state.velocities;
     for (int i = 0; i < body.mesh.numVertices(); ++i)
       if (!body.fixed[i]) active.push_back(i);
-    corotated().assembleAtRest(assembly.vertexMasses(), 1, stiffness_scale, rest_matrix);
+    corotated().assembleAtRest(assembly.vertexMasses(), 1, stiffness_scale, {}, rest_matrix);
     assemble();
     corotated().vertexRotations(rotations);
     std::mt19937 random(3);

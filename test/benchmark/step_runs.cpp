@@ -75,8 +75,9 @@ SolverKind parseKind(const std::string& name) {
 
 }  // namespace
 
-StepSolverChoice ours(const std::string& kind, int threads) {
+StepSolverChoice ours(const std::string& kind, int threads, double tolerance) {
   SolverConfig config;
+  config.tolerance = tolerance;
   config.kind = parseKind(kind);
   config.threads = threads;
   // Diagonal blocks leave smooth errors that hardly show in the residual: on beam10k 1e-4 left 2.5e-4.

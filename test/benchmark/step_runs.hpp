@@ -35,7 +35,7 @@ struct StepSolverChoice {
 
 /// Ours by its name: direct, factor, aggregates, jacobi or auto; all else by default, but for
 /// jacobi a tolerance of 1e-5.
-StepSolverChoice ours(const std::string& kind, int threads = 1);
+StepSolverChoice ours(const std::string& kind, int threads = 1, double tolerance = SolverConfig().tolerance);
 
 /// Bullet's deformable body on the same tetrahedra, with lumped masses and its own settings: one Newton
 /// iteration a step, of at most 300 conjugate gradients to 1e-6 of its own measure. Its start is empty where

@@ -347,7 +347,7 @@ TEST(CorotatedBody, TheRestShapesMatrixLeavesTheLinearisationAsItIs) {
     body.lineariseWithForces(positions, positions, true, forces);
     untouched.lineariseWithForces(positions, positions, true, expected);
     DifferenceMatrix<double> at_rest;
-    body.assembleAtRest(assembly.vertexMasses(), 2, 3, at_rest);
+    body.assembleAtRest(assembly.vertexMasses(), 2, 3, {}, at_rest);
     body.internalForces(positions, forces);
     EXPECT_EQ(forces, expected);
     DifferenceMatrix<float> single, expected_single;
@@ -362,6 +362,54 @@ TEST(CorotatedBody, TheRestShapesMatrixLeavesTheLinearisationAsItIs) {
     untouched.assemble(assembly.vertexMasses(), 2, 3, expected_matrix);
     EXPECT_EQ(at_rest.blocks, expected_matrix.blocks);
     EXPECT_EQ(at_rest.masses, expected_matrix.masses);
+  }
+}
+
+TEST(CorotatedBody, WhatMovesFeelsNothingOfWhatIsStillBeingLeftOut) {
+  const double kUntouched = 123;
+  for (const PolyhedralMesh& mesh : {makeTetBeam(4), makeHexes(), makePolyhedra()}) {
+    Assembly assembly(mesh, kMaterial, withMass(true), 0);
+    CorotatedBody body = *assembly.corotatedBody(), whole = body;
+    const Eigen::Matrix3Xd positions = shake(mesh, 0.003, 8), ahead = shake(positions, 0.001, 9);
+    const RowPattern& pattern = body.pattern();
+    const double middle = mesh.restPositions().row(0).mean();
+    std::vector<char> still(mesh.numVertices());
+    for (int i = 0; i < mesh.numVertices(); ++i) still[i] = mesh.restPositions()(0, i) < middle ? 1 : 0;
+    still[mesh.numVertices() / 2] ^= 1;  // one alone
+    body.setStill(still);
+    Eigen::Matrix3Xd forces, expected_forces;
+    body.lineariseWithForces(positions, ahead, true, forces);
+    whole.lineariseWithForces(positions, ahead, true, expected_forces);
+    DifferenceMatrix<double> matrix, expected;
+    matrix.resize(pattern);
+    std::fill(matrix.masses.begin(), matrix.masses.end(), kUntouched);
+    std::fill(matrix.blocks.begin(), matrix.blocks.end(), kUntouched);
+    body.assemble(assembly.vertexMasses(), 2, 3, matrix);
+    whole.assemble(assembly.vertexMasses(), 2, 3, expected);
+    std::vector<float> rotations, expected_rotations;
+    body.vertexRotations(rotations);
+    whole.vertexRotations(expected_rotations);
+    int num_left_out = 0;
+    for (int i = 0; i < mesh.numVertices(); ++i) {
+      if (still[i] != 0) {
+        EXPECT_EQ(forces.col(i), Eigen::Vector3d::Zero());
+        num_left_out += matrix.masses[i] == kUntouched ? 1 : 0;
+        continue;
+      }
+      EXPECT_EQ(forces.col(i), expected_forces.col(i));
+      EXPECT_EQ(matrix.masses[i], expected.masses[i]);
+      const RowPattern::Row& row = pattern.rows[i];
+      for (int k = 9 * row.first; k < 9 * (row.first + row.count); ++k)
+        EXPECT_EQ(matrix.blocks[k], expected.blocks[k]);
+      for (int k = 9 * i; k < 9 * (i + 1); ++k) EXPECT_EQ(rotations[k], expected_rotations[k]);
+    }
+    EXPECT_GT(num_left_out, 0);
+    body.setStill({});
+    body.lineariseWithForces(positions, ahead, true, forces);
+    EXPECT_EQ(forces, expected_forces);
+    matrix = {};
+    body.assemble(assembly.vertexMasses(), 2, 3, matrix);
+    EXPECT_EQ(matrix.blocks, expected.blocks);
   }
 }
 

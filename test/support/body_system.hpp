@@ -60,7 +60,7 @@ class BodySystem final : public StepSystem {
   void assemble(DifferenceMatrix<float>& matrix) override { assembleIn(matrix); }
   void assemble(DifferenceMatrix<double>& matrix) override { assembleIn(matrix); }
   void assembleAtRest(DifferenceMatrix<double>& matrix) override {
-    body().assembleAtRest(masses_, 1, step_s_ * step_s_, matrix);
+    body().assembleAtRest(masses_, 1, step_s_ * step_s_, {}, matrix);
   }
   void vertexRotations(std::vector<float>& rotations) override { body().vertexRotations(rotations); }
 

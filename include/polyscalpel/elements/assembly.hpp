@@ -98,7 +98,8 @@ class Assembly {
   /// set.
   void internalForces(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, Eigen::Matrix3Xd& forces);
 
-  /// linearise(positions), then internalForces(ahead, forces), faster than one after the other.
+  /// linearise(positions), then internalForces(ahead, forces), faster than one after the other; without what
+  /// corotatedBody() takes for still, which linearise() alone forgets.
   void lineariseWithForces(const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
                            const Eigen::Ref<const Eigen::Matrix3Xd>& ahead, Eigen::Matrix3Xd& forces);
 

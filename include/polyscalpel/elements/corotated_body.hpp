@@ -39,9 +39,10 @@ class CorotatedBody {
   /// At most so many threads, >= 1, share a call's work.
   void setThreads(int num_threads) { num_threads_ = num_threads; }
 
-  /// Vertices whose cells are left out of all that follows, a whole piece or nothing of it: no force, and no
-  /// rows in the matrix. One flag a vertex, or empty for none; holds until update().
-  void setAsleep(const std::vector<char>& asleep);
+  /// Vertices that do not move, fixed or asleep. Forces on them are zero, rows of the matrix and rotations of
+  /// theirs are not made, and cells all of whose vertices are still cost nothing. One flag a vertex, or empty
+  /// for none; holds until update().
+  void setStill(const std::vector<char>& still);
 
   /// Which vertices share a cell.
   const RowPattern& pattern() const { return pattern_; }
@@ -67,11 +68,11 @@ class CorotatedBody {
   void assemble(const Eigen::VectorXd& vertex_masses, double mass_scale, double stiffness_scale,
                 DifferenceMatrix<Scalar>& matrix);
 
-  /// The same in the rest shape, whatever the last linearisation is.
+  /// The same in the rest shape, whatever the last linearisation is, without those that are `still` then.
   void assembleAtRest(const Eigen::VectorXd& vertex_masses, double mass_scale, double stiffness_scale,
-                      DifferenceMatrix<double>& matrix);
+                      const std::vector<char>& still, DifferenceMatrix<double>& matrix);
 
-  /// Rotation of each vertex, near those of its cells, 9 numbers each column by column.
+  /// Rotation of each vertex that moves, near those of its cells, 9 numbers each column by column.
   void vertexRotations(std::vector<float>& rotations);
 
   /// result = M values, 3 x n; vertex_masses: row sums of M.
@@ -120,7 +121,8 @@ class CorotatedBody {
   void linkRow(int vertex);
   void makeRows(const std::vector<int>& touched);
   void makeVertexRotation(int vertex);
-  bool isAsleep(int vertex) const { return !asleep_.empty() && asleep_[vertex] != 0; }
+  void selectRows();
+  bool isStill(int vertex) const { return !still_.empty() && still_[vertex] != 0; }
   CellBatch view(const Batch& batch) const;
   template <class Visit>
   void forEachBatch(const Visit& visit) const;
@@ -139,8 +141,10 @@ class CorotatedBody {
   }
 
   int num_threads_ = 1;
-  std::vector<char> asleep_;           // as given
-  std::vector<char> batch_is_asleep_;  // all of its cells; empty: none is
+  std::vector<char> still_;           // as given
+  std::vector<char> batch_is_still_;  // all vertices of all its cells; empty: none is
+  std::vector<int> moving_;           // vertices that are not still
+  std::vector<int> rows_;             // theirs, and those above which entries of theirs stand
   std::vector<Batch> batches_;
   std::vector<std::vector<int>> free_places_;  // by number of vertices, twice: without and with modes
   std::vector<int> place_of_cell_;             // by cell id, -1 where there is none

@@ -69,6 +69,7 @@ class ImplicitEuler {
                                 const std::vector<LinearisedContact>& contacts, int parts) const;
   void prepareRightSide(const SimulationState& state, Assembly& assembly);
   bool iterates(Assembly& assembly) const;
+  const std::vector<char>& stillVertices(const SimulationState& state, bool may_sleep);
   SolveResult solveByIteration(const SimulationState& state, Assembly& assembly,
                                const std::vector<LinearisedContact>& contacts, const std::vector<bool>& acts,
                                std::chrono::steady_clock::time_point step_start, IntegrationResult& result);
@@ -85,6 +86,7 @@ class ImplicitEuler {
   bool factor_is_plain_ = false;  // the factor is that of the matrix without contacts
 
   // Kept to allocate once.
+  std::vector<char> still_;
   Blocks matrix_;
   Eigen::Matrix3Xd rhs_, contact_rhs_;
   Eigen::Matrix3Xd work_, forces_, dv_;
