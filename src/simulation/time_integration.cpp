@@ -38,13 +38,8 @@ class BodySystem final : public StepSystem {
   void assemble(DifferenceMatrix<float>& matrix) override { assembleIn(matrix); }
   void assemble(DifferenceMatrix<double>& matrix) override { assembleIn(matrix); }
   void assembleAtRest(DifferenceMatrix<double>& matrix) override {
-    std::vector<char> fixed(movable_.size() < static_cast<std::size_t>(pattern().numVertices())
-                                ? pattern().numVertices()
-                                : 0,
-                            1);
-    if (!fixed.empty()) {
-      for (const int i : movable_) fixed[i] = 0;
-    }
+    std::vector<char> fixed(pattern().numVertices(), 1);
+    for (const int i : movable_) fixed[i] = 0;
     body_.assembleAtRest(assembly_.vertexMasses(), mass_scale_, stiffness_scale_, fixed, matrix);
   }
   void vertexRotations(std::vector<float>& rotations) override {
