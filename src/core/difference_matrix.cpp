@@ -11,6 +11,27 @@ namespace {
 constexpr int kRowsAChunk = 512;
 }
 
+// What it adds to a vertex's row in all is a tie.
+template <class Scalar>
+void addHold(const RowPattern& pattern, const Hold& hold, DifferenceMatrix<Scalar>& matrix) {
+  for (const Hold::Share& i : hold.shares) {
+    double sum = 0;
+    for (const Hold::Share& j : hold.shares) {
+      sum += j.weight;
+      if (j.vertex == i.vertex) continue;
+      const int entry = pattern.find(i.vertex, j.vertex);
+      POLYSCALPEL_ASSERT(entry >= 0);
+      Eigen::Map<Eigen::Matrix<Scalar, 3, 3>>(&matrix.blocks[9 * static_cast<std::size_t>(entry)]) +=
+          (i.weight * j.weight * hold.stiffness).template cast<Scalar>();
+    }
+    matrix.ties.push_back({i.vertex, i.weight * sum * hold.stiffness});
+  }
+  matrix.holds.push_back(hold);
+}
+
+template void addHold<float>(const RowPattern&, const Hold&, DifferenceMatrix<float>&);
+template void addHold<double>(const RowPattern&, const Hold&, DifferenceMatrix<double>&);
+
 template <class Scalar>
 void multiply(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
               const std::vector<int>& active, const Scalar* x, Scalar* y, int num_threads) {

@@ -37,24 +37,12 @@ inline void addContactMatrix(const LinearisedContact& contact, double scale, con
   }
 }
 
-/// The same for a matrix in difference form: what contacts add to a vertex's row in all is a tie.
-template <class Scalar>
-void addContactMatrix(const LinearisedContact& contact, double scale, const RowPattern& pattern,
-                      DifferenceMatrix<Scalar>& matrix) {
-  const std::vector<WeightedVertex>& weights = contact.contact.weights;
-  for (const WeightedVertex& i : weights) {
-    const int vertex = i.vertex.index();
-    double sum = 0;
-    for (const WeightedVertex& j : weights) {
-      sum += j.weight;
-      if (j.vertex == i.vertex) continue;
-      const int entry = pattern.find(vertex, j.vertex.index());
-      POLYSCALPEL_ASSERT(entry >= 0);
-      Eigen::Map<Eigen::Matrix<Scalar, 3, 3>>(&matrix.blocks[9 * static_cast<std::size_t>(entry)]) +=
-          (scale * i.weight * j.weight * contact.B).template cast<Scalar>();
-    }
-    matrix.ties.push_back({vertex, scale * i.weight * sum * contact.B});
-  }
+/// The same as a hold of a matrix in difference form.
+inline Hold holdOf(const LinearisedContact& contact, double scale) {
+  Hold hold;
+  for (const WeightedVertex& w : contact.contact.weights) hold.shares.push_back({w.vertex.index(), w.weight});
+  hold.stiffness = scale * contact.B;
+  return hold;
 }
 
 }  // namespace polyscalpel

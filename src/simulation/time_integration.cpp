@@ -53,7 +53,7 @@ class BodySystem final : public StepSystem {
     const StageTimer timer(assembly_s_);
     body_.assemble(assembly_.vertexMasses(), mass_scale_, stiffness_scale_, matrix);
     for (std::size_t c = 0; c < contacts_.size(); ++c) {
-      if (acts_[c]) addContactMatrix(contacts_[c], step_s_, body_.pattern(), matrix);
+      if (acts_[c]) addHold(body_.pattern(), holdOf(contacts_[c], step_s_), matrix);
     }
   }
 

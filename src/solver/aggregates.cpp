@@ -2,6 +2,7 @@
 #include "polyscalpel/solver/aggregates.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "vertex_turns.hpp"
 
@@ -174,7 +175,28 @@ SolveStatus AggregatePreconditioner::make(const RowPattern& pattern,
     for (const int of : around) place[of] = -1;
   }
   if (num_groups_ == 0) return SolveStatus::kSolved;
-  return coarse_.factorise(coarse, blocks, std::vector<bool>(2 * num_groups_, false));
+  SingleFactor factor;
+  const SolveStatus status = factor.factorise(coarse, blocks, std::vector<bool>(2 * num_groups_, false));
+  coarse_ = HeldFactor(std::move(factor), 2 * num_groups_);
+  return status;
+}
+
+SolveStatus AggregatePreconditioner::holdCoarse(const std::vector<Hold>& holds) {
+  std::vector<HeldFactor::HeldPoint> points;
+  for (const Hold& hold : holds) {
+    HeldFactor::HeldPoint& point = points.emplace_back();
+    point.stiffness = hold.stiffness;
+    for (const Hold::Share& share : hold.shares) {
+      const int i = share.vertex, group = group_[i];
+      if (group < 0) continue;
+      const Eigen::Map<const Eigen::Matrix3f> R(rotations_ + 9 * i);
+      const Eigen::Map<const Eigen::Vector3f> arm(&arms_[3 * i]);
+      const Eigen::Matrix3d turned = share.weight * R.cast<double>().transpose();
+      point.parts.push_back({2 * group, turned});
+      point.parts.push_back({2 * group + 1, crossMatrix(arm.cast<double>()) * turned});
+    }
+  }
+  return coarse_.hold(points);
 }
 
 void AggregatePreconditioner::apply(const float* residual, float* result) {

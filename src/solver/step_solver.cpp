@@ -120,7 +120,7 @@ struct StepSolver::Impl {
   void replaceLargePatch(StepSystem& system);
   void prepareAggregates(StepSystem& system);
   template <class Scalar>
-  void update(StepSystem& system, Lane<Scalar>& lane, Preconditioner& chosen);
+  SolveStatus update(StepSystem& system, Lane<Scalar>& lane, Preconditioner& chosen);
   Preconditioner& preconditioner(StepSystem& system, SolverReport& report);
   template <class Scalar>
   void startFromEarlier(const StepSystem& system, Lane<Scalar>& lane);
@@ -326,15 +326,17 @@ Preconditioner& StepSolver::Impl::preconditioner(StepSystem& system, SolverRepor
 
 // The preconditioner learns of the matrix as it is now.
 template <class Scalar>
-void StepSolver::Impl::update(StepSystem& system, Lane<Scalar>& lane, Preconditioner& chosen) {
+SolveStatus StepSolver::Impl::update(StepSystem& system, Lane<Scalar>& lane, Preconditioner& chosen) {
   const std::vector<int>& active = system.active();
   if (&chosen == &jacobi) jacobi.update(system.pattern(), lane.matrix, active, config.threads);
   if (aggregates && &chosen == &*aggregates)
-    aggregates->update(system.pattern(), lane.matrix, active, rotations, config.threads);
+    return aggregates->update(system.pattern(), lane.matrix, active, rotations, config.threads);
   if (factor && &chosen == &*factor) {
-    if (std::is_same_v<Scalar, double> && factor->patchSize() > 0) system.assemble(single.matrix);
-    factor->update(system.pattern(), single.matrix, rotations, active);
+    if (std::is_same_v<Scalar, double> && (factor->patchSize() > 0 || !lane.matrix.ties.empty()))
+      system.assemble(single.matrix);
+    return factor->update(system.pattern(), single.matrix, rotations, active);
   }
+  return SolveStatus::kSolved;
 }
 
 // Galerkin's projection on earlier solutions: x = X y, X^T A X y = X^T b (P. Fischer, "Projection Techniques
@@ -372,7 +374,11 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   has_stiff_contacts = has_stiff_contacts && is_touched;
   if (has_stiff_contacts) return false;
   Preconditioner& chosen = preconditioner(system, report);
-  update(system, lane, chosen);
+  result.status = update(system, lane, chosen);
+  if (result.status != SolveStatus::kSolved) {
+    has_stiff_contacts = !lane.matrix.holds.empty();
+    return false;
+  }
 
   // Of length one, so that single precision neither over- nor underflows.
   double square = 0;

@@ -13,11 +13,22 @@
 namespace polyscalpel {
 
 TurnedFactor::TurnedFactor(SingleFactor factor, const std::vector<bool>& fixed)
-    : factor_(std::move(factor)), num_vertices_(static_cast<int>(fixed.size())), first_share_(1, 0) {
+    : factor_(std::move(factor), static_cast<int>(fixed.size())),
+      num_vertices_(static_cast<int>(fixed.size())),
+      is_fixed_(fixed),
+      first_share_(1, 0) {
   for (int i = 0; i < num_vertices_; ++i) {
     if (fixed[i]) fixed_.push_back(i);
   }
   coarse_.assign(3 * fixed.size(), 0.0F);
+}
+
+// P: visit(vertex of the factor, weight).
+template <class Visit>
+void TurnedFactor::forEachShare(int vertex, const Visit& visit) const {
+  if (vertex < num_vertices_) return visit(vertex, 1.0F);
+  const int k = vertex - num_vertices_;
+  for (int s = first_share_[k]; s < first_share_[k + 1]; ++s) visit(shares_[s].vertex, shares_[s].weight);
 }
 
 void TurnedFactor::follow(const std::vector<AddedVertex>& added, const std::vector<int>& touched) {
@@ -37,13 +48,7 @@ void TurnedFactor::follow(const std::vector<AddedVertex>& added, const std::vect
       const double weight = side == 0 ? 1 - vertex.weight : vertex.weight;
       const int parent = vertex.parents[side];
       if (weight == 0) continue;
-      if (parent < num_vertices_) {
-        add(parent, weight);
-      } else {
-        const int k = parent - num_vertices_;
-        for (int s = first_share_[k]; s < first_share_[k + 1]; ++s)
-          add(shares_[s].vertex, weight * shares_[s].weight);
-      }
+      forEachShare(parent, [&](int of, float share) { add(of, weight * share); });
     }
     shares_.insert(shares_.end(), shares.begin(), shares.end());
     first_share_.push_back(static_cast<int>(shares_.size()));
@@ -60,11 +65,39 @@ SolveStatus TurnedFactor::update(const RowPattern& pattern, const DifferenceMatr
   matrix_ = &matrix;
   rotations_ = rotations.data();
   active_ = &active;
+  const SolveStatus status = holdCoarse();
+  if (status != SolveStatus::kSolved) return status;
+  // Held softer than it is, the patch would be corrected twice too far.
+  const bool is_held = isPatchHeld();
+  if (is_held || was_patch_held_) is_patch_factored_ = false;
+  was_patch_held_ = is_held;
   return is_patch_factored_ ? SolveStatus::kSolved : factorPatch();
 }
 
+bool TurnedFactor::isPatchHeld() const {
+  return std::any_of(matrix_->ties.begin(), matrix_->ties.end(), [&](const auto& tie) {
+    return std::binary_search(patch_.begin(), patch_.end(), tie.vertex);
+  });
+}
+
+// Of a point at sum of w x, J = P^T R^T w.
+SolveStatus TurnedFactor::holdCoarse() {
+  std::vector<HeldFactor::HeldPoint> points;
+  for (const Hold& hold : matrix_->holds) {
+    HeldFactor::HeldPoint& point = points.emplace_back();
+    point.stiffness = hold.stiffness;
+    for (const Hold::Share& share : hold.shares) {
+      const Eigen::Map<const Eigen::Matrix3f> R(rotations_ + 9 * share.vertex);
+      const Eigen::Matrix3d turned = share.weight * R.cast<double>().transpose();
+      forEachShare(share.vertex, [&](int of, float weight) {
+        if (!is_fixed_[of]) point.parts.push_back({of, weight * turned});
+      });
+    }
+  }
+  return factor_.hold(points);
+}
+
 SolveStatus TurnedFactor::factorPatch() {
-  is_patch_factored_ = true;
   patch_active_.clear();
   std::set_intersection(patch_.begin(), patch_.end(), active_->begin(), active_->end(),
                         std::back_inserter(patch_active_));
@@ -92,18 +125,23 @@ SolveStatus TurnedFactor::factorPatch() {
     }
     pattern.column_start.push_back(pattern.numBlocks());
   }
+  for (const auto& tie : matrix_->ties) {
+    if (place[tie.vertex] >= 0) blocks[pattern.column_start[place[tie.vertex]]] += tie.stiffness;
+  }
   std::sort(beside_.begin(), beside_.end());
   beside_.erase(std::unique(beside_.begin(), beside_.end()), beside_.end());
   patch_values_.assign(3 * patch_active_.size(), 0.0F);
   moved_.assign(paddedSize(pattern_->numVertices()), 0.0F);
   left_.assign(paddedSize(pattern_->numVertices()), 0.0F);
+  is_patch_factored_ = true;
   if (patch_active_.empty()) return SolveStatus::kSolved;
   const SolveStatus status =
       patch_factor_.factorise(pattern, blocks, std::vector<bool>(patch_active_.size(), false));
   // Between two corrections by S the coarse one keeps B positive only where no eigenvalue of S A reaches 2;
   // slivers may be too much for single precision. Added up, S and the coarse one are always positive.
   constexpr double kExact = 1.3;
-  if (status == SolveStatus::kSolved && largestOfPatch() > kExact) beside_.clear();
+  is_patch_factored_ = status == SolveStatus::kSolved;
+  if (is_patch_factored_ && largestOfPatch() > kExact) beside_.clear();
   return status;
 }
 
@@ -141,14 +179,9 @@ void TurnedFactor::addCoarse(const float* residual, float* result) {
   for (const int i : *active_) {
     float r[3];
     turnBack(rotations_ + 9 * i, residual + 3 * i, r);
-    if (i < num_vertices_) {
-      for (int c = 0; c < 3; ++c) coarse_[3 * i + c] += r[c];
-      continue;
-    }
-    const int k = i - num_vertices_;
-    for (int s = first_share_[k]; s < first_share_[k + 1]; ++s) {
-      for (int c = 0; c < 3; ++c) coarse_[3 * shares_[s].vertex + c] += shares_[s].weight * r[c];
-    }
+    forEachShare(i, [&](int of, float weight) {
+      for (int c = 0; c < 3; ++c) coarse_[3 * of + c] += weight * r[c];
+    });
   }
   factor_.solve(coarse_.data());
   for (const int i : fixed_) {
@@ -156,14 +189,9 @@ void TurnedFactor::addCoarse(const float* residual, float* result) {
   }
   for (const int i : *active_) {
     float z[3] = {0, 0, 0};
-    if (i < num_vertices_) {
-      for (int c = 0; c < 3; ++c) z[c] = coarse_[3 * i + c];
-    } else {
-      const int k = i - num_vertices_;
-      for (int s = first_share_[k]; s < first_share_[k + 1]; ++s) {
-        for (int c = 0; c < 3; ++c) z[c] += shares_[s].weight * coarse_[3 * shares_[s].vertex + c];
-      }
-    }
+    forEachShare(i, [&](int of, float weight) {
+      for (int c = 0; c < 3; ++c) z[c] += weight * coarse_[3 * of + c];
+    });
     turn(rotations_ + 9 * i, z, z);
     for (int c = 0; c < 3; ++c) result[3 * i + c] += z[c];
   }

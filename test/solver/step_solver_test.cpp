@@ -323,6 +323,31 @@ TEST(StepSolver, EndsOnceItsBudgetIsSpent) {
   }
 }
 
+/// Points of some boundary faces, each held along a direction and a little across it. stiffness: [N/m].
+std::vector<Hold> holdSomeFaces(const BodySystem& system, const PolyhedralMesh& mesh, int count,
+                                double stiffness) {
+  const double far = system.restPositions().row(0).maxCoeff() - 1e-9;
+  std::vector<Hold> holds;
+  for (int f = 0; f < mesh.faceCapacity() && static_cast<int>(holds.size()) < count; ++f) {
+    const Face& face = mesh.face(FaceId(f));
+    if (!face.isAlive() || !face.isBoundary()) continue;
+    Hold hold;
+    double x = 0;
+    for (const VertexId vertex : face.loop) {
+      hold.shares.push_back({vertex.index(), 1.0 / static_cast<double>(face.loop.size())});
+      x += system.restPositions()(0, vertex.index()) / static_cast<double>(face.loop.size());
+    }
+    if (x < far) continue;
+    const Eigen::Vector3d normal = Eigen::Vector3d(1, 2, 3).normalized();
+    hold.stiffness = stiffness * (normal * normal.transpose() + 0.01 * Eigen::Matrix3d::Identity());
+    holds.push_back(hold);
+    hold.shares.front().weight += 0.1;
+    hold.shares.back().weight -= 0.1;
+    holds.push_back(hold);  // two on a face
+  }
+  return holds;
+}
+
 TEST(StepSolver, SolvesWithContactsThatComeAndGo) {
   const PolyhedralMesh mesh = makeTetBeam(4);
   BodySystem system(mesh);
@@ -330,13 +355,33 @@ TEST(StepSolver, SolvesWithContactsThatComeAndGo) {
   const Eigen::Matrix3Xd b = someLoad(system, 11);
   for (const SolverKind kind : kIterativeKinds) {
     StepSolver solver(withKind(kind));
-    for (const double stiffness : {0.0, 1e-3, 10.0, 0.0}) {
-      system.ties.clear();
-      const Eigen::Vector3d normal = Eigen::Vector3d(1, 2, 3).normalized();
-      for (const int i : {system.active()[100], system.active().back(), system.active()[100]})
-        system.ties.push_back({i, stiffness * normal * normal.transpose()});
+    for (const double stiffness : {0.0, 1e-3, 10.0, 1e4, 1.0, 0.0}) {
+      system.holds = stiffness == 0 ? std::vector<Hold>() : holdSomeFaces(system, mesh, 12, stiffness);
       expectSolved(solve(solver, system, b, stiffness == 0), system, b, 1e-8);
     }
+  }
+}
+
+TEST(StepSolver, StiffContactsTakeFewIterationsMore) {
+  const PolyhedralMesh mesh = makeTetBeam(4);
+  BodySystem system(mesh);
+  system.linearise(bentBeam(mesh));
+  const Eigen::Matrix3Xd b = someLoad(system, 11);
+  for (const SolverKind kind : {SolverKind::kFactor, SolverKind::kAggregates}) {
+    StepSolver solver(withKind(kind, 1e-4, Precision::kSingle));
+    const int free = solve(solver, system, b).report.iterations;
+    const bool is_factor = kind == SolverKind::kFactor;
+    const std::vector<double> all = {1e-2, 1.0, 1e2, 1e4};
+    for (const double stiffness : is_factor ? all : std::vector<double>(all.begin(), all.begin() + 3)) {
+      system.holds = holdSomeFaces(system, mesh, 20, stiffness);
+      ASSERT_EQ(system.holds.size(), 20U);
+      const Solution solution = solve(solver, system, b);
+      EXPECT_EQ(solution.report.kind, kind) << stiffness;
+      EXPECT_EQ(solution.report.fallbacks, 0);
+      EXPECT_LE(solution.report.iterations, is_factor ? free + 3 : 2 * free) << stiffness;
+      expectSolved(solution, system, b, 1e-2);
+    }
+    system.holds.clear();
   }
 }
 

@@ -42,7 +42,8 @@ class BodySystem final : public StepSystem {
     findActive();
   }
 
-  std::vector<DifferenceMatrix<double>::Tie> ties;  ///< as of contacts
+  std::vector<DifferenceMatrix<double>::Tie> ties;
+  std::vector<Hold> holds;  ///< as of contacts
 
   CorotatedBody& body() { return *assembly_.corotatedBody(); }
   void linearise(const Eigen::Matrix3Xd& positions) { body().linearise(positions, true); }
@@ -71,6 +72,7 @@ class BodySystem final : public StepSystem {
   void assembleIn(DifferenceMatrix<Scalar>& matrix) {
     body().assemble(masses_, 1, step_s_ * step_s_, matrix);
     for (const auto& tie : ties) matrix.ties.push_back({tie.vertex, tie.stiffness});
+    for (const Hold& hold : holds) addHold(pattern(), hold, matrix);
   }
   void findActive() {
     active_.clear();

@@ -10,6 +10,17 @@
 
 namespace polyscalpel {
 
+/// A point of the body that something outside holds.
+struct Hold {
+  /// The point is the sum of weight x vertex.
+  struct Share {
+    int vertex = 0;
+    double weight = 0;
+  };
+  std::vector<Share> shares;                            ///< each vertex once
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< symmetric positive semidefinite
+};
+
 /// A symmetric matrix A on a RowPattern in the form
 ///
 ///   y_i = S_i x_i + sum over j of A_ij (x_j - x_i),  S_i = sum over all j of A_ij.
@@ -25,14 +36,20 @@ struct DifferenceMatrix {
     int vertex = 0;
     Eigen::Matrix3d stiffness;
   };
-  std::vector<Tie> ties;  ///< what holds a vertex to something outside; any order, several a vertex
+  std::vector<Tie> ties;    ///< what holds a vertex to something outside; any order, several a vertex
+  std::vector<Hold> holds;  ///< what addHold() has put into blocks and ties
 
   void resize(const RowPattern& pattern) {
     blocks.resize(9 * static_cast<std::size_t>(pattern.capacity()) + 1);
     masses.resize(pattern.numVertices());
     ties.clear();
+    holds.clear();
   }
 };
+
+/// matrix += J^T stiffness J, J taking values at the vertices to the point's. Its vertices share a cell.
+template <class Scalar>
+void addHold(const RowPattern& pattern, const Hold& hold, DifferenceMatrix<Scalar>& matrix);
 
 /// Length of a vector of 3 numbers a vertex as the functions below take it: one number more, which they may
 /// read and never write.
@@ -57,6 +74,8 @@ void convert(const RowPattern& rows, const DifferenceMatrix<double>& matrix, con
 /// The blocks of rows on and below the diagonal.
 BlockPattern toBlockPattern(const RowPattern& rows);
 
+extern template void addHold<float>(const RowPattern&, const Hold&, DifferenceMatrix<float>&);
+extern template void addHold<double>(const RowPattern&, const Hold&, DifferenceMatrix<double>&);
 extern template void multiply<float>(const RowPattern&, const DifferenceMatrix<float>&,
                                      const std::vector<int>&, const float*, float*, int);
 extern template void multiply<double>(const RowPattern&, const DifferenceMatrix<double>&,

@@ -7,8 +7,8 @@
 
 #include "polyscalpel/core/difference_matrix.hpp"
 #include "polyscalpel/solver/block_jacobi.hpp"
+#include "polyscalpel/solver/held_factor.hpp"
 #include "polyscalpel/solver/preconditioner.hpp"
-#include "polyscalpel/solver/single_factor.hpp"
 
 namespace polyscalpel {
 
@@ -29,21 +29,26 @@ class AggregatePreconditioner final : public Preconditioner {
   SolveStatus make(const RowPattern& pattern, const DifferenceMatrix<double>& rest_matrix,
                    const Eigen::Ref<const Eigen::Matrix3Xd>& rest_positions, const std::vector<int>& active);
 
-  /// Takes the matrix as it is now and the vertices' rotations, 9 each; both arguments must live on.
+  /// Takes the matrix as it is now and the vertices' rotations, 9 each; both arguments must live on. What
+  /// holds points of the body is in both levels. A status other than kSolved: not to be used with this
+  /// matrix.
   template <class Scalar>
-  void update(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
-              const std::vector<int>& active, const std::vector<float>& rotations, int num_threads) {
+  SolveStatus update(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
+                     const std::vector<int>& active, const std::vector<float>& rotations, int num_threads) {
     jacobi_.update(pattern, matrix, active, num_threads);
     rotations_ = rotations.data();
     active_ = &active;
+    return holdCoarse(matrix.holds);
   }
   void apply(const float* residual, float* result) override;
 
   int numGroups() const { return num_groups_; }
 
  private:
+  SolveStatus holdCoarse(const std::vector<Hold>& holds);
+
   BlockJacobi jacobi_;
-  SingleFactor coarse_;
+  HeldFactor coarse_;
   int num_groups_ = 0;
   std::vector<int> group_;            // of each vertex
   std::vector<float> arms_;           // 3 a vertex: from its group's middle, in the group's size

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "polyscalpel/core/difference_matrix.hpp"
+#include "polyscalpel/solver/held_factor.hpp"
 #include "polyscalpel/solver/preconditioner.hpp"
 #include "polyscalpel/solver/single_factor.hpp"
 
@@ -30,6 +31,9 @@ struct AddedVertex {
 ///
 /// S the inverse of the patch's own part of A as it was after the last cut, turned as its vertices have
 /// since.
+///
+/// What holds points of the body, contacts, may be far stiffer than the body: A_0 becomes A_0 + P^T R^T J^T k
+/// J R P, and the patch's own part is taken anew where it is held.
 class TurnedFactor final : public Preconditioner {
  public:
   /// factor: of a matrix of so many vertices. fixed: one flag for each.
@@ -42,7 +46,7 @@ class TurnedFactor final : public Preconditioner {
   int numVertices() const { return num_vertices_; }
 
   /// rotations: 9 a vertex, column by column; active: ascending. All arguments must live on. The first one
-  /// after a cut factors the patch.
+  /// after a cut factors the patch. A status other than kSolved: not to be used with this matrix.
   SolveStatus update(const RowPattern& pattern, const DifferenceMatrix<float>& matrix,
                      const std::vector<float>& rotations, const std::vector<int>& active);
   void apply(const float* residual, float* result) override;
@@ -52,20 +56,26 @@ class TurnedFactor final : public Preconditioner {
     int vertex = 0;  // of the factor's
     float weight = 0;
   };
+  template <class Visit>
+  void forEachShare(int vertex, const Visit& visit) const;
   SolveStatus factorPatch();
+  SolveStatus holdCoarse();
+  bool isPatchHeld() const;
   double largestOfPatch();
   void addCoarse(const float* residual, float* result);
   void addPatch(const float* residual, float* result);
 
-  SingleFactor factor_;
-  int num_vertices_;              // of the factor
-  std::vector<int> fixed_;        // of these
+  HeldFactor factor_;
+  int num_vertices_;            // of the factor
+  std::vector<bool> is_fixed_;  // of these
+  std::vector<int> fixed_;
   std::vector<int> first_share_;  // of each vertex beyond them, and one more
   std::vector<Share> shares_;     // P
   std::vector<float> coarse_;     // 3 a vertex of the factor
 
   std::vector<int> patch_;  // ascending
   bool is_patch_factored_ = true;
+  bool was_patch_held_ = false;  // when it was factored
   SingleFactor patch_factor_;
   std::vector<int> patch_active_;       // of these, those in its factor
   std::vector<int> beside_;             // rows that feel the patch; empty: the two are added up
