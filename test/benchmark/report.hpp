@@ -57,6 +57,7 @@ Rows studySolvers(const Context& context);
 Rows studyScaling(const Context& context);
 Rows studyAfterCuts(const Context& context);
 Rows studyHardCases(const Context& context);
+Rows studyHardSolvers(const Context& context);
 Rows studyTorture(const Context& context);
 
 }  // namespace polyscalpel::report

@@ -22,11 +22,18 @@ struct Section {
   Rows (*study)(const Context&);
 };
 
-const std::vector<Section> kSections = {
-    {"formulations", studyFormulations}, {"cutting", studyCutting}, {"cell_counts", studyCellCounts},
-    {"integration", studyIntegration},   {"stages", studyStages},   {"peers", studyPeers},
-    {"solvers", studySolvers},           {"scaling", studyScaling}, {"after_cuts", studyAfterCuts},
-    {"hard_cases", studyHardCases},      {"torture", studyTorture}};
+const std::vector<Section> kSections = {{"formulations", studyFormulations},
+                                        {"cutting", studyCutting},
+                                        {"cell_counts", studyCellCounts},
+                                        {"integration", studyIntegration},
+                                        {"stages", studyStages},
+                                        {"peers", studyPeers},
+                                        {"solvers", studySolvers},
+                                        {"scaling", studyScaling},
+                                        {"after_cuts", studyAfterCuts},
+                                        {"hard_cases", studyHardCases},
+                                        {"hard_solvers", studyHardSolvers},
+                                        {"torture", studyTorture}};
 
 Mode parseMode(const std::string& name) {
   if (name == "quick") return Mode::kQuick;

@@ -94,7 +94,7 @@ std::vector<StepSubject> knownSubjects(const std::string& folder) {
 
 IntegrationConfig stepIntegration(const StepBody& body) {
   IntegrationConfig config;
-  config.time_step_s = 1.0 / 60;
+  config.time_step_s = body.time_step_s;
   config.mass_damping_per_s = 0;
   config.stiffness_damping_s = 0;
   config.gravity_m_s2 = body.gravity_m_s2;
@@ -109,13 +109,15 @@ ElementConfig stepElement(const StepBody& body) {
 
 SimulationState stepStart(const StepBody& body) {
   SimulationState state;
-  state.positions = body.mesh.restPositions();
+  state.positions = body.start ? *body.start : body.mesh.restPositions();
   state.velocities.setZero(3, body.mesh.numVertices());
   state.fixed = body.fixed;
   return state;
 }
 
 SimulationConfig stepScene(const StepBody& body, const SolverConfig& solver) {
+  if (body.start || body.drive)
+    throw std::invalid_argument(body.name + ": no scene lets a body go deformed, or moves what holds it");
   SimulationConfig config;
   config.mesh = body.mesh_config;
   config.material = body.material;

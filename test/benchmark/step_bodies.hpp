@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Bodies that whole time steps are measured on: steps of 1/60 s from rest, Young's modulus 100 kPa, Poisson's
-// ratio 0.45, 1000 kg/m^3, gravity along -y, no damping, one solve a step.
+// Bodies that whole time steps are measured on: no damping, one solve a step and, unless a body says
+// otherwise, steps of 1/60 s from rest, Young's modulus 100 kPa, Poisson's ratio 0.45, 1000 kg/m^3, gravity
+// along -y.
 #pragma once
 
 #include <array>
@@ -29,6 +30,10 @@ struct StepBody {
   IsotropicMaterial material = {1e5, 0.45, 1000};
   Eigen::Vector3d gravity_m_s2 = {0, -9.81, 0};
   bool consistent_mass = true;
+  double time_step_s = 1.0 / 60;
+  std::optional<Eigen::Matrix3Xd> start;  ///< 3 x n [m]: where it is let go, at rest; none: the rest shape
+  /// Moves fixed vertices before each step, which are counted from 1; empty: they stay where they are.
+  std::function<void(int step, Eigen::Matrix3Xd& positions)> drive;
   MeshConfig mesh_config;              ///< what a scene makes the same mesh from; not for a body cut before
   std::optional<GateAnswers> answers;  ///< of two other programs, where they are known
 };
@@ -57,7 +62,7 @@ std::vector<StepSubject> knownSubjects(const std::string& folder);
 IntegrationConfig stepIntegration(const StepBody& body);
 ElementConfig stepElement(const StepBody& body);
 SimulationState stepStart(const StepBody& body);
-/// The same motion as a scene, with cutting.
+/// The same motion as a scene, with cutting. Throws std::invalid_argument for a body with a start or a drive.
 SimulationConfig stepScene(const StepBody& body, const SolverConfig& solver);
 
 }  // namespace polyscalpel::report

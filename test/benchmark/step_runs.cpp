@@ -21,9 +21,12 @@ class OurStepper final : public Stepper {
   OurStepper(const StepBody& body, const SolverConfig& solver)
       : assembly_(body.mesh, body.material, stepElement(body), 0),
         integrator_(stepIntegration(body), solver),
-        state_(stepStart(body)) {}
+        state_(stepStart(body)),
+        drive_(body.drive) {}
 
   void step() override {
+    ++num_steps_;
+    if (drive_) drive_(num_steps_, state_.positions);
     result_ = integrator_.step(state_, assembly_, {});
     if (result_.status != SolveStatus::kSolved) throw std::runtime_error(toString(result_.status));
   }
@@ -34,6 +37,8 @@ class OurStepper final : public Stepper {
   Assembly assembly_;
   ImplicitEuler integrator_;
   SimulationState state_;
+  std::function<void(int, Eigen::Matrix3Xd&)> drive_;
+  int num_steps_ = 0;
   IntegrationResult result_;
 };
 
@@ -95,7 +100,7 @@ StepSolverChoice bullet() {
 }
 
 StepOutcome runSteps(const StepBody& body, const StepSolverChoice& choice, int steps,
-                     const GateAnswers& answers) {
+                     const GateAnswers& answers, const StepObserver& observe) {
   StepOutcome outcome;
   try {
     const double memory_before = heldMemory_mb();
@@ -106,6 +111,7 @@ StepOutcome runSteps(const StepBody& body, const StepSolverChoice& choice, int s
       const double start = now();
       stepper->step();
       const double step_ms = 1e3 * (now() - start);
+      if (observe) observe(*stepper);
       const IntegrationResult& result = stepper->result();
       outcome.residual = std::max(outcome.residual, result.relative_residual);
       outcome.fallbacks += result.solver.fallbacks;

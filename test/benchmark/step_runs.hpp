@@ -37,9 +37,9 @@ struct StepSolverChoice {
 /// jacobi a tolerance of 1e-5.
 StepSolverChoice ours(const std::string& kind, int threads = 1, double tolerance = SolverConfig().tolerance);
 
-/// Bullet's deformable body on the same tetrahedra, with lumped masses and its own settings: one Newton
-/// iteration a step, of at most 300 conjugate gradients to 1e-6 of its own measure. Its start is empty where
-/// Bullet's headers and libraries were not there.
+/// Bullet's deformable body, from the rest shape and held in place, on the same tetrahedra, with lumped
+/// masses and its own settings: one Newton iteration a step, of at most 300 conjugate gradients to 1e-6 of
+/// its own measure. Its start is empty where Bullet's headers and libraries were not there.
 StepSolverChoice bullet();
 
 /// What the steps of one run came to; times of the median step after the first.
@@ -56,10 +56,13 @@ struct StepOutcome {
   int fallbacks = 0;                     ///< of all steps
 };
 
+/// Called after each step, whose time it is not part of.
+using StepObserver = std::function<void(const Stepper& stepper)>;
+
 /// The given number of steps, the first included. answers: displacements to compare with; those after the
-/// last step are left out.
+/// last step are left out. observe: may be empty.
 StepOutcome runSteps(const StepBody& body, const StepSolverChoice& choice, int steps,
-                     const GateAnswers& answers);
+                     const GateAnswers& answers, const StepObserver& observe = {});
 
 /// The body's known displacements, or those of our own direct solver, whose residual is below 1e-10.
 GateAnswers gateAnswers(const StepBody& body, int steps);

@@ -95,6 +95,27 @@ std::vector<bool> lowestX(const PolyhedralMesh& mesh) {
   return flags;
 }
 
+Eigen::Matrix3d meanDeformation(const PolyhedralMesh& mesh, const Assembly& assembly, CellId cell,
+                                const Eigen::Matrix3Xd& positions) {
+  const std::vector<VertexId>& vertices = mesh.cell(cell).vertices;
+  const Eigen::Matrix3Xd& gradient = assembly.elementMatrices(cell).mean_gradient;
+  Eigen::Matrix3d F = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    F += (positions.col(vertices[i].index()) - positions.col(vertices[0].index())) *
+         gradient.col(static_cast<int>(i)).transpose();
+  }
+  return F;
+}
+
+Eigen::VectorXd cellDeterminants(const PolyhedralMesh& mesh, const Assembly& assembly,
+                                 const Eigen::Matrix3Xd& positions) {
+  Eigen::VectorXd determinants(mesh.numCells());
+  int i = 0;
+  for (const CellId id : mesh.cells())
+    determinants[i++] = meanDeformation(mesh, assembly, id, positions).determinant();
+  return determinants;
+}
+
 Eigen::Matrix3Xd boundaryLoads(const PolyhedralMesh& mesh, const Eigen::Matrix3d& stress) {
   Eigen::Matrix3Xd loads = Eigen::Matrix3Xd::Zero(3, mesh.numVertices());
   for (int f = 0; f < mesh.faceCapacity(); ++f) {

@@ -50,17 +50,7 @@ bool run(ImplicitEuler& integrator, SimulationState& state, Assembly& assembly, 
 
 /// det F of the most inverted cell.
 double lowestDeterminant(const PolyhedralMesh& mesh, const Assembly& assembly, const Matrix3Xd& positions) {
-  double lowest = kInfinity;
-  for (const CellId id : mesh.cells()) {
-    const std::vector<VertexId>& vertices = mesh.cell(id).vertices;
-    Matrix3d F = Matrix3d::Zero();
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      F += (positions.col(vertices[i].index()) - positions.col(vertices[0].index())) *
-           assembly.elementMatrices(id).mean_gradient.col(static_cast<int>(i)).transpose();
-    }
-    lowest = std::min(lowest, F.determinant());
-  }
-  return lowest;
+  return cellDeterminants(mesh, assembly, positions).minCoeff();
 }
 
 // --- steps and stiffnesses
@@ -187,12 +177,7 @@ double inflationError(const PolyhedralMesh& mesh, Strain strain, double E, doubl
   const double s = theoreticalStretch(strain, kPressure, E, nu);
   double worst = 0;
   for (const CellId id : mesh.cells()) {
-    const std::vector<VertexId>& vertices = mesh.cell(id).vertices;
-    Matrix3d F = Matrix3d::Zero();
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      F += (state.positions.col(vertices[i].index()) - state.positions.col(vertices[0].index())) *
-           assembly.elementMatrices(id).mean_gradient.col(static_cast<int>(i)).transpose();
-    }
+    const Matrix3d F = meanDeformation(mesh, assembly, id, state.positions);
     const Matrix3d R = polarRotation(F);
     worst = std::max(worst, (R.transpose() * F - s * Matrix3d::Identity()).norm() / s);
   }

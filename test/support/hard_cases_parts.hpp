@@ -39,6 +39,14 @@ std::vector<double> evenly(double lowest, double highest, int count);
 /// One flag a vertex: on the lowest x of the rest shape.
 std::vector<bool> lowestX(const PolyhedralMesh& mesh);
 
+/// Deformation gradient of a cell: the mean of its linear part over the cell.
+Eigen::Matrix3d meanDeformation(const PolyhedralMesh& mesh, const Assembly& assembly, CellId cell,
+                                const Eigen::Matrix3Xd& positions);
+
+/// det F of every cell that is alive, by ascending id; below zero where it is inverted.
+Eigen::VectorXd cellDeterminants(const PolyhedralMesh& mesh, const Assembly& assembly,
+                                 const Eigen::Matrix3Xd& positions);
+
 /// Consistent nodal forces of a stress on the whole boundary of the rest shape, 3 x n [N].
 Eigen::Matrix3Xd boundaryLoads(const PolyhedralMesh& mesh, const Eigen::Matrix3d& stress);
 
