@@ -260,6 +260,10 @@ SolveStatus DirectSolver::analyse(const BlockPattern& pattern, const std::vector
   return SolveStatus::kSolved;
 }
 
+std::size_t DirectSolver::factorSize() const {
+  return impl_->factor ? impl_->factor->xsize : 0;
+}
+
 SolveStatus DirectSolver::factorise(const BlockPattern& pattern, const Blocks& blocks) {
   Impl& s = *impl_;
   POLYSCALPEL_ASSERT(static_cast<int>(s.free_index.size()) == pattern.numVertices());

@@ -21,10 +21,11 @@ int roundUp(int value, int to) {
 }  // namespace
 
 SolveStatus SingleFactor::factorise(const BlockPattern& pattern, const Blocks& blocks,
-                                    const std::vector<bool>& fixed) {
+                                    const std::vector<bool>& fixed, std::size_t most_values) {
   *this = {};
   DirectSolver solver;
   SolveStatus status = solver.analyse(pattern, fixed);
+  if (status == SolveStatus::kSolved && solver.factorSize() > most_values) status = SolveStatus::kOutOfMemory;
   if (status == SolveStatus::kSolved) status = solver.factorise(pattern, blocks);
   if (status != SolveStatus::kSolved) return status;
   const FactorPanels panels = solver.panels();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 #include <future>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -28,6 +29,8 @@ constexpr double kLargestPatch = 0.35;
 /// Contacts that are stiffer than the body are not in its rest shape's factor. What takes more iterations
 /// than this for them costs more than factoring the matrix does.
 constexpr int kMostForContacts = 30;
+/// Where aggregates take more iterations than this, by slivers or loose pieces, a factor is tried.
+constexpr int kManyIterations = 70;
 /// A finer tolerance is not for single precision: rounding x alone leaves more.
 constexpr double kSingleTolerance = 1e-5;
 
@@ -39,14 +42,31 @@ struct MadeFactor {
 };
 
 MadeFactor makeFactor(const RowPattern& rows, const DifferenceMatrix<double>& matrix,
-                      const std::vector<bool>& fixed) {
+                      const std::vector<bool>& fixed,
+                      std::size_t most_values = std::numeric_limits<std::size_t>::max()) {
   const BlockPattern pattern = toBlockPattern(rows);
   Blocks blocks;
   convert(rows, matrix, pattern, blocks);
   MadeFactor made;
-  made.status = made.factor.factorise(pattern, blocks, fixed);
+  made.status = made.factor.factorise(pattern, blocks, fixed, most_values);
   return made;
 }
+
+/// What failed is not tried again for some steps, twice as many each time.
+class Ban {
+ public:
+  bool holds() const { return steps_left_ > 0; }
+  void beginStep() { steps_left_ = std::max(0, steps_left_ - 1); }
+  void noteFailure() {
+    steps_left_ = length_;
+    length_ = std::min(2 * length_, kLongest);
+  }
+  void noteSuccess() { length_ = kShortest; }
+
+ private:
+  static constexpr int kShortest = 8, kLongest = 256;
+  int steps_left_ = 0, length_ = kShortest;
+};
 
 /// The largest ratio of stiffness to mass on the diagonal.
 double stiffnessOverMass(const RowPattern& pattern, const DifferenceMatrix<double>& matrix,
@@ -67,7 +87,12 @@ struct StepSolver::Impl {
   bool is_cut = false;    // since the last solve
   bool is_stale = false;  // the factor is of the body before a cut, or there is none
   int stale_steps = 0;
-  bool has_stiff_contacts = false;      // from the step on that found it, until nothing touches
+  bool has_stiff_contacts = false;  // from the step on that found it, until nothing touches
+  Ban of_single, of_iterations;
+  int many_iterations_since = 0;        // steps in a row
+  int many_iterations_most = 0;         // of these steps
+  bool was_factor_tried = false;        // instead of aggregates
+  bool prefers_factor = false;          // to aggregates, however many vertices move
   SolverKind kind = SolverKind::kAuto;  // what the config or the choice says
   std::string reason;
 
@@ -111,6 +136,11 @@ struct StepSolver::Impl {
   template <class Scalar>
   void keepMomentum(const StepSystem& system, const DifferenceMatrix<Scalar>& matrix,
                     const Eigen::Matrix3Xd& b, Eigen::Matrix3Xd& x);
+  bool iterateOrGiveUp(StepSystem& system, const Eigen::Matrix3Xd& b,
+                       std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x,
+                       SolverReport& report, SolveResult& result);
+  void noteIterations(const SolverReport& report);
+  void replaceAggregates(StepSystem& system);
   void takeBody(StepSystem& system);
   void prepare(StepSystem& system);
   void refresh(StepSystem& system);
@@ -142,6 +172,9 @@ void StepSolver::Impl::choose(StepSystem& system) {
   if (ratio < kMildStiffness) {
     kind = SolverKind::kJacobi;
     reason = "the step is short: mass outweighs stiffness";
+  } else if (prefers_factor) {
+    kind = SolverKind::kFactor;
+    reason = "aggregates took more than " + std::to_string(kManyIterations) + " iterations";
   } else if (moving <= kFewVertices) {
     kind = SolverKind::kFactor;
     reason = "at most " + std::to_string(kFewVertices) + " vertices move";
@@ -224,6 +257,9 @@ void StepSolver::Impl::prepare(StepSystem& system) {
   solutions.clear();
   is_direct_analysed = false;
   knows_free_parts = false;
+  of_single = of_iterations = {};
+  many_iterations_since = 0;
+  was_factor_tried = prefers_factor = false;
   prepareAggregates(system);
   choose(system);
   if (kind == SolverKind::kFactor) {
@@ -294,6 +330,29 @@ void StepSolver::Impl::replaceLargePatch(StepSystem& system) {
     factor.reset();
   }
   aggregates.reset();
+}
+
+void StepSolver::Impl::noteIterations(const SolverReport& report) {
+  const bool are_many = config.kind == SolverKind::kAuto && kind == SolverKind::kAggregates &&
+                        report.iterations > kManyIterations;
+  many_iterations_most = are_many ? std::max(many_iterations_most, report.iterations) : 0;
+  many_iterations_since = are_many ? many_iterations_since + 1 : 0;
+}
+
+// By what has to be read for it, a factor pays off where it spares enough iterations: those with it are taken
+// for 8.
+void StepSolver::Impl::replaceAggregates(StepSystem& system) {
+  was_factor_tried = true;
+  constexpr double kIterationsWithFactor = 8, kSlowness = 0.75;  // the matrix is read slower than the factor
+  const double spared = many_iterations_most / kIterationsWithFactor - 1;
+  const double most_values = spared * kSlowness * static_cast<double>(rest_matrix.blocks.size());
+  takeBody(system);
+  MadeFactor made = makeFactor(system.pattern(), rest_matrix, fixed, static_cast<std::size_t>(most_values));
+  if (made.status != SolveStatus::kSolved) return;
+  prefers_factor = true;
+  choose(system);
+  aggregates.reset();
+  takeFactor(std::move(made), fixed);
 }
 
 // The aggregates of the body as it is now are made when they are first asked for.
@@ -477,6 +536,34 @@ void StepSolver::follow(const std::vector<AddedVertex>& added, const std::vector
   if (s.factor) s.factor->follow(added, touched);
 }
 
+// In single precision, then in double; whether it came to an end that will do.
+bool StepSolver::Impl::iterateOrGiveUp(StepSystem& system, const Eigen::Matrix3Xd& b,
+                                       std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x,
+                                       SolverReport& report, SolveResult& result) {
+  const double finest = config.error_target ? *config.error_target : config.tolerance;
+  const bool is_single = config.precision == Precision::kSingle ||
+                         (config.precision == Precision::kAuto && finest >= kSingleTolerance);
+  if (is_single && !of_single.holds()) {
+    if (iterate(system, single, b, step_start, x, report, result)) {
+      of_single.noteSuccess();
+      of_iterations.noteSuccess();
+      return true;
+    }
+    if (has_stiff_contacts) return false;
+    ++report.fallbacks;
+  }
+  if (result.status == SolveStatus::kNotFinite) return false;
+  if (iterate(system, twofold, b, step_start, x, report, result)) {
+    if (is_single && !of_single.holds()) of_single.noteFailure();
+    of_iterations.noteSuccess();
+    return true;
+  }
+  if (has_stiff_contacts) return false;
+  ++report.fallbacks;
+  of_iterations.noteFailure();
+  return false;
+}
+
 SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, bool begins_step,
                               std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x,
                               SolverReport& report) {
@@ -486,25 +573,31 @@ SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, boo
   } else {
     if (s.is_cut && s.factor) s.replaceLargePatch(system);
     if (s.is_cut && !s.factor) s.prepareAggregates(system);
+    if (s.is_cut) {
+      s.of_single = s.of_iterations = {};
+      s.many_iterations_since = 0;
+      s.was_factor_tried = false;
+    }
     s.is_cut = false;
-    if (begins_step && s.is_stale) s.refresh(system);
+    if (begins_step) {
+      s.of_single.beginStep();
+      s.of_iterations.beginStep();
+      if (s.is_stale) s.refresh(system);
+      if (s.many_iterations_since >= 2 && !s.was_factor_tried) s.replaceAggregates(system);
+    }
   }
   report.reason = s.reason;
   SolveResult result;
   if (s.kind != SolverKind::kDirect) {
-    const double finest = s.config.error_target ? *s.config.error_target : s.config.tolerance;
-    const bool single = s.config.precision == Precision::kSingle ||
-                        (s.config.precision == Precision::kAuto && finest >= kSingleTolerance);
-    if (single) {
-      if (s.iterate(system, s.single, b, step_start, x, report, result)) return result;
-      if (!s.has_stiff_contacts) ++report.fallbacks;
+    if (s.of_iterations.holds()) {
+      report.reason = "conjugate gradients failed some steps ago";
+    } else if (s.iterateOrGiveUp(system, b, step_start, x, report, result)) {
+      s.noteIterations(report);
+      return result;
+    } else {
+      report.reason =
+          s.has_stiff_contacts ? "contacts are stiffer than the body" : "conjugate gradients failed";
     }
-    if (result.status != SolveStatus::kNotFinite && !s.has_stiff_contacts) {
-      if (s.iterate(system, s.twofold, b, step_start, x, report, result)) return result;
-      if (!s.has_stiff_contacts) ++report.fallbacks;
-    }
-    report.reason =
-        s.has_stiff_contacts ? "contacts are stiffer than the body" : "conjugate gradients failed";
   }
   report.kind = SolverKind::kDirect;
   report.is_single = false;

@@ -66,6 +66,9 @@ class DirectSolver {
   /// looked at. x: 3 x n, zero at fixed vertices; zero everywhere unless the status is kSolved.
   SolveResult solve(const Eigen::Ref<const Eigen::Matrix3Xd>& b, Eigen::Matrix3Xd& x);
 
+  /// Numbers in the panels that factorise() will fill, once the pattern is analysed.
+  std::size_t factorSize() const;
+
   /// A copy of the factor, which must be there.
   FactorPanels panels() const;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "polyscalpel/core/block_matrix.hpp"
@@ -15,8 +17,10 @@ namespace polyscalpel {
 /// and going up x = L11^-T y - (L21 L11^-1)^T x_below, one product each.
 class SingleFactor {
  public:
-  /// Orders, analyses and factors (CHOLMOD, in double precision). fixed: one flag a vertex.
-  SolveStatus factorise(const BlockPattern& pattern, const Blocks& blocks, const std::vector<bool>& fixed);
+  /// Orders, analyses and factors (CHOLMOD, in double precision). fixed: one flag a vertex. most_values: a
+  /// factor of more numbers is not made, kOutOfMemory.
+  SolveStatus factorise(const BlockPattern& pattern, const Blocks& blocks, const std::vector<bool>& fixed,
+                        std::size_t most_values = std::numeric_limits<std::size_t>::max());
 
   /// x = A^-1 b in place; 3 numbers a vertex, those of fixed ones are left alone. Allocates nothing; not for
   /// two threads at once.
