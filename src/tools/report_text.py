@@ -148,6 +148,27 @@ solver on the same mesh.""",
          ("first_ms", "first [ms]", "g"), ("gate_error", "error", "e"), ("memory_mb", "memory [MB]", "g")],
         """Pieces that the foot does not hold are held whole: their cells count, their vertices are no unknowns. The solver meets the cut body
 as it is; what it costs to follow a cut is in `./run bench`."""),
+    "limits": (
+        "How far from the limit",
+        """The stages of a step, each by itself on a twisted body, one thread, beside the time in which their data could come by
+at all. *linearise*: each cell's rotation, forces, and what the matrix is made from. *assemble*: the matrix in single precision.
+*product* and *factor* or *aggregates*: the matrix by a vector, and one application of the preconditioner; an iteration is one of
+each. *Least*: what the stage is given and hands on, each array once at its own size, a factor's numbers twice, down and up.
+*Bandwidth*: reading an array as large as what the stage has to hold, again and again in the same turns, so from the cache that it
+fits. *Bound*: least over that; *times*: time over bound. *From memory*: the same bound by the triad of the last row, whose arrays
+no cache holds. Times are the thread's own, medians of runs that find in the caches what the run before has left. *Instructions* (of
+each cell, block or unknown) and *fetched* (lines of 64 bytes that a core's own 32 KB and 512 KB of cache miss; *part*: over the
+least): as callgrind counts one run. It knows one rounding mode and exact predicates ask for others, so bodies that were cut are left
+out. *Kernels*: the registers that the fastest of them are compiled for.""",
+        [("body", "body", "s"), ("stage", "stage", "s"), ("items", "of", "d"), ("item", "each a", "s"),
+         ("least_mb", "least [MB]", "g"), ("held_mb", "to hold [MB]", "g"), ("bandwidth_gb_s", "bandwidth [GB/s]", "g"),
+         ("bound_ms", "bound [ms]", "g"), ("time_ms", "time [ms]", "g"), ("ratio", "times", "g"),
+         ("memory_bound_ms", "from memory [ms]", "g"), ("instructions_each", "instructions each", "g"),
+         ("instructions_per_ns", "a ns", "g"), ("fetched_mb", "fetched [MB]", "g"), ("fetched_part", "part", "g"),
+         ("registers", "kernels", "s"), ("note", "note", "s")],
+        """How far arithmetic alone is from its own limit: instructions a nanosecond tell how busy the core is, not whether fewer
+would do. In a step a stage finds in the caches what the stages before it have left, not its own data. Lines that are written
+whole count as fetched too, and what a core writes back does not."""),
     "hard_cases": (
         "Hard cases",
         """One row a case: what happens, and where it stops holding. A case *holds* where its value stays at or below its

@@ -6,7 +6,7 @@ find_library(BENCHMARK_LIBRARY benchmark REQUIRED)
 include(${CMAKE_CURRENT_LIST_DIR}/bullet.cmake)
 file(GLOB bench_sources CONFIGURE_DEPENDS test/benchmark/bench_*.cpp)
 # What it shares with the report.
-foreach(shared cut_bodies retessellation step_bodies step_runs timing)
+foreach(shared cut_bodies retessellation step_bodies step_runs step_stages timing)
   list(APPEND bench_sources test/benchmark/${shared}.cpp)
 endforeach()
 add_executable(polyscalpel_test_bench EXCLUDE_FROM_ALL ${bench_sources})

@@ -13,14 +13,27 @@ void addRule(Row& row, const std::string& rule, bool holds) {
   row["holds"] = (!row.contains("holds") || row["holds"].get<bool>()) && holds;
 }
 
+/// NaN where there is no finite number.
+double finiteValue(const Row& row, const std::string& name) {
+  const bool is_number = row.contains(name) && row[name].is_number();
+  const double value = is_number ? row[name].get<double>() : NAN;
+  return std::isfinite(value) ? value : NAN;
+}
+
+std::string ruleOf(const std::string& name, const std::string& relation, double limit) {
+  std::ostringstream rule;
+  rule << name << ' ' << relation << ' ' << limit;
+  return rule.str();
+}
+
 }  // namespace
 
 void holdAtMost(Row& row, const std::string& name, double limit) {
-  std::ostringstream rule;
-  rule << name << " <= " << limit;
-  const bool is_number = row.contains(name) && row[name].is_number();
-  const double value = is_number ? row[name].get<double>() : NAN;
-  addRule(row, rule.str(), value <= limit);
+  addRule(row, ruleOf(name, "<=", limit), finiteValue(row, name) <= limit);
+}
+
+void holdAtLeast(Row& row, const std::string& name, double limit) {
+  addRule(row, ruleOf(name, ">=", limit), finiteValue(row, name) >= limit);
 }
 
 void holdEqual(Row& row, const std::string& name, int expected) {

@@ -39,6 +39,8 @@ struct Context {
 /// Marks a row with the rule "name <= limit" for one of its values: where it does not hold, or the value is
 /// not finite, the report fails.
 void holdAtMost(Row& row, const std::string& name, double limit);
+/// The same for "name >= limit".
+void holdAtLeast(Row& row, const std::string& name, double limit);
 /// The same for "name = expected".
 void holdEqual(Row& row, const std::string& name, int expected);
 /// Marks a row that has no values because something failed; the report fails too.
@@ -56,6 +58,7 @@ Rows studyPeers(const Context& context);
 Rows studySolvers(const Context& context);
 Rows studyScaling(const Context& context);
 Rows studyAfterCuts(const Context& context);
+Rows studyLimits(const Context& context);
 Rows studyHardCases(const Context& context);
 Rows studyHardSolvers(const Context& context);
 Rows studyTorture(const Context& context);

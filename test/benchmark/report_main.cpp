@@ -31,6 +31,7 @@ const std::vector<Section> kSections = {{"formulations", studyFormulations},
                                         {"solvers", studySolvers},
                                         {"scaling", studyScaling},
                                         {"after_cuts", studyAfterCuts},
+                                        {"limits", studyLimits},
                                         {"hard_cases", studyHardCases},
                                         {"hard_solvers", studyHardSolvers},
                                         {"torture", studyTorture}};
