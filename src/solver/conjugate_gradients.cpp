@@ -10,25 +10,6 @@
 namespace polyscalpel {
 
 template <class Scalar>
-double dot(const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& a,
-           const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& b) {
-  // Eight sums side by side.
-  double sums[8] = {0, 0, 0, 0, 0, 0, 0, 0};
-  const Eigen::Index size = a.size(), whole = size / 8 * 8;
-  const Scalar* const x = a.data();
-  const Scalar* const y = b.data();
-  for (Eigen::Index i = 0; i < whole; i += 8) {
-    for (int k = 0; k < 8; ++k) sums[k] += static_cast<double>(x[i + k]) * static_cast<double>(y[i + k]);
-  }
-  for (Eigen::Index i = whole; i < size; ++i)
-    sums[0] += static_cast<double>(x[i]) * static_cast<double>(y[i]);
-  return ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]));
-}
-
-template double dot<float>(const Eigen::VectorXf&, const Eigen::VectorXf&);
-template double dot<double>(const Eigen::VectorXd&, const Eigen::VectorXd&);
-
-template <class Scalar>
 void ConjugateGradients<Scalar>::precondition(Preconditioner& preconditioner) {
   if constexpr (std::is_same_v<Scalar, float>) {
     preconditioner.apply(r_.data(), z_.data());
@@ -54,22 +35,24 @@ IterationResult ConjugateGradients<Scalar>::solve(const RowPattern& pattern,
                                                   const IterationLimits& limits, int num_threads, Vector& x) {
   const Eigen::Index size = paddedSize(pattern.numVertices());
   POLYSCALPEL_ASSERT(b.size() == size && x.size() == size);
-  for (Vector* const vector : {&r_, &z_, &p_, &q_}) vector->setZero(size);
+  if (runs_.set(active) || r_.size() != size) {
+    for (Vector* const vector : {&r_, &z_, &p_, &q_}) vector->setZero(size);
+  }
   IterationResult result;
-  const double norm_b = std::sqrt(dot(b, b));
+  const double norm_b = std::sqrt(runs_.dot(b, b));
   if (norm_b == 0) {
     x.setZero();
     return result;
   }
-  r_ = b;
-  if (!x.isZero(0)) {
+  runs_.forEach([](auto r, const auto& b_run) { r = b_run; }, r_, b);
+  if (runs_.dot(x, x) != 0) {
     multiply(pattern, matrix, active, x.data(), q_.data(), num_threads);
-    r_ -= q_;
+    runs_.forEach([](auto r, const auto& q) { r -= q; }, r_, q_);
   }
-  double step_energy = 0, last_energy = 0, energy = std::abs(dot(x, b));
+  double step_energy = 0, last_energy = 0, energy = std::abs(runs_.dot(x, b));
   double r_dot_z = 0;
   while (true) {
-    result.relative_residual = std::sqrt(dot(r_, r_)) / norm_b;
+    result.relative_residual = std::sqrt(runs_.dot(r_, r_)) / norm_b;
     if (result.iterations > 0) {
       // What steps gain falls off like a geometric series, if it falls.
       const double ratio = last_energy > 0 ? std::min(step_energy / last_energy, 0.9) : 0.5;
@@ -95,25 +78,27 @@ IterationResult ConjugateGradients<Scalar>::solve(const RowPattern& pattern,
     }
     precondition(preconditioner);
     const double r_dot_z_before = r_dot_z;
-    r_dot_z = dot(r_, z_);
+    r_dot_z = runs_.dot(r_, z_);
     if (!(r_dot_z > 0) || !std::isfinite(r_dot_z)) {
       result.end = IterationResult::End::kBreakdown;
       return result;
     }
     if (result.iterations == 0) {
-      p_ = z_;
+      runs_.forEach([](auto p, const auto& z) { p = z; }, p_, z_);
     } else {
-      p_ = z_ + static_cast<Scalar>(r_dot_z / r_dot_z_before) * p_;
+      const Scalar beta = static_cast<Scalar>(r_dot_z / r_dot_z_before);
+      runs_.forEach([&](auto p, const auto& z) { p = z + beta * p; }, p_, z_);
     }
     multiply(pattern, matrix, active, p_.data(), q_.data(), num_threads);
-    const double curvature = dot(p_, q_);
+    const double curvature = runs_.dot(p_, q_);
     if (!(curvature > 0) || !std::isfinite(curvature)) {
       result.end = IterationResult::End::kBreakdown;
       return result;
     }
     const double alpha = r_dot_z / curvature;
-    x += static_cast<Scalar>(alpha) * p_;
-    r_ -= static_cast<Scalar>(alpha) * q_;
+    const Scalar step = static_cast<Scalar>(alpha);
+    runs_.forEach([&](auto x_run, const auto& p) { x_run += step * p; }, x, p_);
+    runs_.forEach([&](auto r, const auto& q) { r -= step * q; }, r_, q_);
     last_energy = step_energy;
     step_energy = alpha * r_dot_z;
     energy += step_energy;

@@ -114,6 +114,8 @@ struct StepSolver::Impl {
     DifferenceMatrix<Scalar> matrix;
     ConjugateGradients<Scalar> iteration;
     Eigen::Matrix<Scalar, Eigen::Dynamic, 1> b, x, product;
+    std::vector<Eigen::Matrix<Scalar, Eigen::Dynamic, 1>> earlier;
+    ActiveRuns runs;
   };
   // Vertices of each part of the body that nothing holds.
   bool knows_free_parts = false;
@@ -121,7 +123,8 @@ struct StepSolver::Impl {
 
   Lane<float> single;
   Lane<double> twofold;
-  std::deque<Eigen::VectorXd> solutions;  // the last first
+  std::deque<Eigen::VectorXd> solutions;  // the last first, run by run
+  std::vector<int> active_in_solutions;
 
   DirectSolver direct;
   BlockPattern direct_pattern;
@@ -402,24 +405,33 @@ SolveStatus StepSolver::Impl::update(StepSystem& system, Lane<Scalar>& lane, Pre
 // for Iterative Solution of Ax = b with Successive Right-Hand Sides", 1998).
 template <class Scalar>
 void StepSolver::Impl::startFromEarlier(const StepSystem& system, Lane<Scalar>& lane) {
-  lane.x.setZero(lane.b.size());
+  lane.runs.forEach([](auto x) { x.setZero(); }, lane.x);
+  if (active_in_solutions != system.active()) solutions.clear();
   const int count = static_cast<int>(solutions.size());
   if (count == 0) return;
   Eigen::MatrixXd gram(count, count);
   Eigen::VectorXd right(count);
-  std::vector<Eigen::Matrix<Scalar, Eigen::Dynamic, 1>> columns;
+  if (static_cast<int>(lane.earlier.size()) < count) lane.earlier.resize(count);
   for (int k = 0; k < count; ++k) {
-    columns.push_back(solutions[k].template cast<Scalar>());
-    lane.product.setZero(lane.b.size());
-    multiply(system.pattern(), lane.matrix, system.active(), columns[k].data(), lane.product.data(),
+    auto& column = lane.earlier[k];
+    if (column.size() != lane.b.size()) column.setZero(lane.b.size());
+    Eigen::Index place = 0;
+    for (const ActiveRuns::Run& run : lane.runs.runs()) {
+      column.segment(run.first, run.count) = solutions[k].segment(place, run.count).template cast<Scalar>();
+      place += run.count;
+    }
+    multiply(system.pattern(), lane.matrix, system.active(), column.data(), lane.product.data(),
              config.threads);
-    for (int l = 0; l <= k; ++l) gram(k, l) = gram(l, k) = dot(columns[l], lane.product);
-    right[k] = dot(columns[k], lane.b);
+    for (int l = 0; l <= k; ++l) gram(k, l) = gram(l, k) = lane.runs.dot(lane.earlier[l], lane.product);
+    right[k] = lane.runs.dot(column, lane.b);
   }
   gram.diagonal() *= 1 + 1e-7;  // solutions may be all but parallel
   const Eigen::VectorXd y = gram.ldlt().solve(right);
   if (!y.allFinite()) return;
-  for (int k = 0; k < count; ++k) lane.x += static_cast<Scalar>(y[k]) * columns[k];
+  for (int k = 0; k < count; ++k) {
+    const Scalar part = static_cast<Scalar>(y[k]);
+    lane.runs.forEach([&](auto x, const auto& column) { x += part * column; }, lane.x, lane.earlier[k]);
+  }
 }
 
 // Whether it came to an end that will do.
@@ -447,11 +459,14 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
     result.status = SolveStatus::kNotFinite;
     return false;
   }
-  lane.b.setZero(paddedSize(system.pattern().numVertices()));
-  if (length > 0) {
-    for (const int i : active) {
-      for (int c = 0; c < 3; ++c) lane.b[3 * i + c] = static_cast<Scalar>(b(c, i) / length);
-    }
+  const Eigen::Index size = paddedSize(system.pattern().numVertices());
+  if (lane.runs.set(active) || lane.b.size() != size) {
+    for (auto* const vector : {&lane.b, &lane.x, &lane.product}) vector->setZero(size);
+    lane.earlier.clear();
+  }
+  for (const int i : active) {
+    for (int c = 0; c < 3; ++c)
+      lane.b[3 * i + c] = length > 0 ? static_cast<Scalar>(b(c, i) / length) : Scalar(0);
   }
   startFromEarlier(system, lane);
   IterationLimits limits;
@@ -483,7 +498,13 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   keepMomentum(system, lane.matrix, b, x);
   if (config.projection > 0 && length > 0) {
     if (static_cast<int>(solutions.size()) >= config.projection) solutions.pop_back();
-    solutions.push_front(lane.x.template cast<double>());
+    active_in_solutions = active;
+    Eigen::VectorXd& kept = solutions.emplace_front(3 * static_cast<Eigen::Index>(active.size()));
+    Eigen::Index place = 0;
+    for (const ActiveRuns::Run& run : lane.runs.runs()) {
+      kept.segment(place, run.count) = lane.x.segment(run.first, run.count).template cast<double>();
+      place += run.count;
+    }
   }
   result.status = SolveStatus::kSolved;
   return true;

@@ -17,9 +17,6 @@ TurnedFactor::TurnedFactor(SingleFactor factor, const std::vector<bool>& fixed)
       num_vertices_(static_cast<int>(fixed.size())),
       is_fixed_(fixed),
       first_share_(1, 0) {
-  for (int i = 0; i < num_vertices_; ++i) {
-    if (fixed[i]) fixed_.push_back(i);
-  }
   coarse_.assign(3 * fixed.size(), 0.0F);
 }
 
@@ -180,13 +177,11 @@ void TurnedFactor::addCoarse(const float* residual, float* result) {
     float r[3];
     turnBack(rotations_ + 9 * i, residual + 3 * i, r);
     forEachShare(i, [&](int of, float weight) {
+      if (is_fixed_[of]) return;
       for (int c = 0; c < 3; ++c) coarse_[3 * of + c] += weight * r[c];
     });
   }
   factor_.solve(coarse_.data());
-  for (const int i : fixed_) {
-    for (int c = 0; c < 3; ++c) coarse_[3 * i + c] = 0;
-  }
   for (const int i : *active_) {
     float z[3] = {0, 0, 0};
     forEachShare(i, [&](int of, float weight) {

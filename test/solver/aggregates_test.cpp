@@ -142,6 +142,9 @@ TEST(AggregatePreconditioner, IsSymmetricAndPositive) {
     for (Preconditioner* const preconditioner :
          {static_cast<Preconditioner*>(&body.aggregates), static_cast<Preconditioner*>(&body.jacobi)}) {
       const Eigen::VectorXf Bx = apply(*preconditioner, x), By = apply(*preconditioner, y);
+      const auto dot = [](const Eigen::VectorXf& a, const Eigen::VectorXf& b) {
+        return a.cast<double>().dot(b.cast<double>());
+      };
       EXPECT_GT(dot(x, Bx), 0);
       EXPECT_GT(dot(y, By), 0);
       EXPECT_NEAR(dot(x, By), dot(y, Bx), 1e-5 * std::sqrt(dot(x, Bx) * dot(y, By)));

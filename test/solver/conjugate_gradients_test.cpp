@@ -3,6 +3,8 @@
 
 #include <limits>
 
+#include <numeric>
+
 #include <gtest/gtest.h>
 
 #include "polyscalpel/solver/aggregates.hpp"
@@ -250,11 +252,21 @@ TEST(ConjugateGradients, ADeadlineEndsItAfterTheFirstIteration) {
 
 // In single precision a million terms are off by a thousandth.
 TEST(ConjugateGradients, SumsInDoublePrecision) {
-  const int size = 1000003;
+  const int num_vertices = 333334, size = 3 * num_vertices + 1;
   const Eigen::VectorXf ones = Eigen::VectorXf::Ones(size), tenths = 0.1F * ones;
-  const double expected = size * static_cast<double>(0.1F);
-  EXPECT_NEAR(dot(ones, tenths), expected, 1e-9 * expected);
-  EXPECT_EQ(dot(ones, tenths), dot(tenths, ones));
+  std::vector<int> all(num_vertices), some;
+  std::iota(all.begin(), all.end(), 0);
+  for (const int i : all) {
+    if (i % 7 != 3) some.push_back(i);
+  }
+  for (const std::vector<int>& active : {all, some}) {
+    ActiveRuns runs;
+    EXPECT_TRUE(runs.set(active));
+    EXPECT_FALSE(runs.set(active));
+    const double expected = 3 * static_cast<double>(active.size()) * static_cast<double>(0.1F);
+    EXPECT_NEAR(runs.dot(ones, tenths), expected, 1e-9 * expected);
+    EXPECT_EQ(runs.dot(ones, tenths), runs.dot(tenths, ones));
+  }
 }
 
 }  // namespace

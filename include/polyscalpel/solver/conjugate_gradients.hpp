@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "polyscalpel/core/difference_matrix.hpp"
+#include "polyscalpel/solver/active_runs.hpp"
 #include "polyscalpel/solver/preconditioner.hpp"
 
 namespace polyscalpel {
@@ -50,16 +51,12 @@ class ConjugateGradients {
  private:
   void precondition(Preconditioner& preconditioner);
 
+  ActiveRuns runs_;
   Vector r_, z_, p_, q_;
   Eigen::VectorXf single_r_, single_z_;  // of the iteration in double precision
 };
 
 extern template class ConjugateGradients<float>;
 extern template class ConjugateGradients<double>;
-
-/// a . b in double precision, in a fixed order.
-template <class Scalar>
-double dot(const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& a,
-           const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>& b);
 
 }  // namespace polyscalpel

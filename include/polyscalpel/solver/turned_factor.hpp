@@ -66,9 +66,8 @@ class TurnedFactor final : public Preconditioner {
   void addPatch(const float* residual, float* result);
 
   HeldFactor factor_;
-  int num_vertices_;            // of the factor
-  std::vector<bool> is_fixed_;  // of these
-  std::vector<int> fixed_;
+  int num_vertices_;              // of the factor
+  std::vector<bool> is_fixed_;    // of these
   std::vector<int> first_share_;  // of each vertex beyond them, and one more
   std::vector<Share> shares_;     // P
   std::vector<float> coarse_;     // 3 a vertex of the factor
