@@ -22,6 +22,15 @@ StepBody stepBody(const std::string& name, const CutBody& cut, PolyhedralMesh me
   return body;
 }
 
+/// The same without a hand on what the foot does not hold.
+CutBody withLoosePiecesFalling(CutBody cut) {
+  cut.name += ", loose pieces fall";
+  cut.loose_pieces = 0;
+  for (int i = 0; i < cut.mesh.numVertices(); ++i)
+    cut.fixed[i] = cut.mesh.restPosition(VertexId(i)).z() <= cut.foot_z_m;
+  return cut;
+}
+
 Rows studyCutBody(const CutBody& cut, const Context& context) {
   const Tetrahedra fewest = retessellate(cut.mesh, Retessellation::kFewest);
   std::vector<bool> held = heldPoints(cut, fewest);
@@ -74,12 +83,17 @@ Rows studyAfterCuts(const Context& context) {
   const int cuts = context.byMode(5, 17, 17), half_count = context.byMode(3, 6, 6);
   const bool has_bunny = !context.bunny_mesh.empty() && context.mode == Mode::kFull;
   context.progress->beginSection("after cuts", has_bunny ? 2 : 1);
+  const auto study = [&](const CutBody& cut) {
+    Rows both = studyCutBody(cut, context);
+    const Rows falling = studyCutBody(withLoosePiecesFalling(cut), context);
+    both.insert(both.end(), falling.begin(), falling.end());
+    return both;
+  };
   context.progress->beginTask("ball");
-  Rows rows = studyCutBody(makeHairpinCutBall(half_count, cuts, kHairpinsInBall), context);
+  Rows rows = study(makeHairpinCutBall(half_count, cuts, kHairpinsInBall));
   if (has_bunny) {
     context.progress->beginTask("bunny");
-    const Rows more =
-        studyCutBody(makeHairpinCutFile("bunny", context.bunny_mesh, cuts, kHairpinsInBunny), context);
+    const Rows more = study(makeHairpinCutFile("bunny", context.bunny_mesh, cuts, kHairpinsInBunny));
     rows.insert(rows.end(), more.begin(), more.end());
   }
   return rows;

@@ -110,6 +110,7 @@ void cut(CutBody& body, const CutOperation& operation) {
 void hold(CutBody& body, double foot_z) {
   const PolyhedralMesh& mesh = body.mesh;
   body.fixed.assign(mesh.numVertices(), false);
+  body.foot_z_m = foot_z;
   for (int i = 0; i < mesh.numVertices(); ++i) body.fixed[i] = mesh.restPosition(VertexId(i)).z() <= foot_z;
   const Pieces pieces = findPieces(mesh);
   body.pieces = pieces.count;

@@ -17,6 +17,7 @@ struct CutBody {
   std::string name;
   PolyhedralMesh mesh;
   std::vector<bool> fixed;  ///< one flag a vertex: the foot, and every piece that the foot does not hold
+  double foot_z_m = 0;      ///< the foot lies below
   Eigen::Vector3d gravity_m_s2 = Eigen::Vector3d::Zero();
   IsotropicMaterial material;
   int cells_before = 0;
