@@ -42,6 +42,24 @@ def read(path):
     return statuses, cuts, forces
 
 
+STAGES = ("detection", "contact", "assembly", "solve", "cutting", "update")
+AROUND = 50  # steps before the first cut and after the last one
+
+
+def stages_ms(steps, cuts):
+    """Medians of what each stage of a step took: of steps before the first cut, of those that cut, and of those after."""
+    times = sorted(steps)
+    cut_steps = [step for step in times
+                 if any(abs(event.time_s - steps[step].time_s) < 0.5 * steps[step].time_step_s for event in cuts)]
+    if not cut_steps:
+        return {}
+    groups = {"before": [step for step in times if step < cut_steps[0]][-AROUND:], "cutting": cut_steps,
+              "after": [step for step in times if step > cut_steps[-1]][:AROUND]}
+    return {name: {stage: 1e3 * quantile([getattr(steps[step], stage + "_s") for step in group], 0.5)
+                   for stage in (*STAGES, "total")} | {"steps": len(group)}
+            for name, group in groups.items() if group}
+
+
 def summarise(path):
     """A dict of plain numbers. Times are the node's own wall times of each step, volumes those of the rest shape."""
     statuses, cuts, forces = read(path)
@@ -78,6 +96,7 @@ def summarise(path):
         "step_ms_p99": quantile(step_ms, 0.99),
         "step_ms_max": max(step_ms),
         "cut_ms_max": max(cutting_steps),
+        "stages_ms": stages_ms(steps, cuts),
         "peak_force_n": max(forces),
         "volume_m3": last.volume_m3,
         "volume_relative_error": max(status.volume_relative_error for _, status in statuses),
@@ -102,7 +121,13 @@ ROWS = [
 
 
 def table(summary):
-    return "\n".join(f"  {name:<18}{text(summary)}" for name, text in ROWS)
+    lines = [f"  {name:<18}{text(summary)}" for name, text in ROWS]
+    if summary["stages_ms"]:
+        lines.append("  medians [ms]      " + "".join(f"{stage:>11}" for stage in (*STAGES, "step")))
+        for name, stages in summary["stages_ms"].items():
+            lines.append(f"    {name + ', ' + str(stages['steps']):<16}"
+                         + "".join(f"{stages[stage]:11.2f}" for stage in (*STAGES, "total")))
+    return "\n".join(lines)
 
 
 def main():
