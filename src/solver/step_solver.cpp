@@ -26,8 +26,8 @@ constexpr std::size_t kFewVertices = 6000;
 constexpr double kMildStiffness = 4;
 /// A patch of more than this part of the factor's vertices costs as much as it saves.
 constexpr double kLargestPatch = 0.35;
-/// Contacts that are stiffer than the body are not in its rest shape's factor. What takes more iterations
-/// than this for them costs more than factoring the matrix does.
+/// Contacts so stiff that single precision does not hold them in the factor: what takes more iterations than
+/// this costs more than factoring the matrix does.
 constexpr int kMostForContacts = 30;
 /// Where aggregates take more iterations than this, by slivers or loose pieces, a factor is tried.
 constexpr int kManyIterations = 70;
@@ -616,8 +616,8 @@ SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, boo
       s.noteIterations(report);
       return result;
     } else {
-      report.reason =
-          s.has_stiff_contacts ? "contacts are stiffer than the body" : "conjugate gradients failed";
+      report.reason = s.has_stiff_contacts ? "contacts are too many or too stiff to iterate with"
+                                           : "conjugate gradients failed";
     }
   }
   report.kind = SolverKind::kDirect;
