@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 namespace polyscalpel {
 
 namespace {
@@ -11,6 +13,13 @@ namespace {
 constexpr std::size_t kMostNodes = 192;
 /// That columns are kept of; 36 bytes each for every node of the factor.
 constexpr std::size_t kMostColumns = 512;
+bool isPositiveSemidefinite(const Eigen::Matrix3d& stiffness) {
+  constexpr double kRounding = 1e-9;
+  const Eigen::Vector3d values =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(stiffness, Eigen::EigenvaluesOnly).eigenvalues();
+  return values.minCoeff() >= -kRounding * values.maxCoeff();
+}
+
 }  // namespace
 
 HeldFactor::HeldFactor(SingleFactor factor, int num_nodes)
@@ -51,6 +60,10 @@ SolveStatus HeldFactor::hold(const std::vector<HeldPoint>& points) {
     nodes_.clear();
     return status;
   };
+  // The correction would be exact all the same, and conjugate gradients not see what a factor does.
+  for (const HeldPoint& point : points) {
+    if (!isPositiveSemidefinite(point.stiffness)) return fail(SolveStatus::kNotPositiveDefinite);
+  }
   if (nodes_.size() > kMostNodes) return fail(SolveStatus::kInaccurate);
   makeRoom();
   const std::size_t size = 3 * static_cast<std::size_t>(num_nodes_);

@@ -31,8 +31,9 @@ class HeldFactor {
   HeldFactor() = default;
   HeldFactor(SingleFactor factor, int num_nodes);
 
-  /// T from now on, the sum over the points of J stiffness J^T. Where it has too many nodes or its numbers
-  /// are beyond this precision, nothing is held and the status is not kSolved.
+  /// T from now on, the sum over the points of J stiffness J^T. Where a stiffness is not positive
+  /// semidefinite, the nodes are too many or the numbers beyond this precision, nothing is held and the
+  /// status is not kSolved.
   SolveStatus hold(const std::vector<HeldPoint>& points);
 
   /// x in place of b.
