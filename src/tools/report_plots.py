@@ -337,7 +337,7 @@ def after_cuts(rows, path):
             bars = _bars(axes, i, [bodies.index(row["body"]) for row in of_method], [row[key] for row in of_method], method)
             axes.bar_label(bars, [f"{row[key]:,.3g}" if row[key] < 1000 else f"{row[key]:,.0f}" for row in of_method],
                            fontsize=8.5, rotation=90, padding=2)
-        axes.set_xticks(range(len(bodies)), bodies)
+        axes.set_xticks(range(len(bodies)), [body.replace(", ", ",\n") for body in bodies])
         axes.set_title(heading, fontsize=10.5)
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.6g}"))
         axes.margins(y=0.25)
