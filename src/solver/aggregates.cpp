@@ -10,9 +10,6 @@ namespace polyscalpel {
 
 namespace {
 
-/// Vertices of a group. Fewer make a larger coarse system and fewer iterations.
-constexpr int kGroupSize = 30;
-
 using Coarse = Eigen::Matrix<double, 6, 6>;
 
 Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& v) {

@@ -11,6 +11,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "free_parts.hpp"
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/solver/aggregates.hpp"
 #include "polyscalpel/solver/block_jacobi.hpp"
@@ -117,9 +118,7 @@ struct StepSolver::Impl {
     std::vector<Eigen::Matrix<Scalar, Eigen::Dynamic, 1>> earlier;
     ActiveRuns runs;
   };
-  // Vertices of each part of the body that nothing holds.
-  bool knows_free_parts = false;
-  std::vector<std::vector<int>> free_parts;
+  std::optional<FreeParts> free_parts;  // found when first asked for
 
   Lane<float> single;
   Lane<double> twofold;
@@ -135,10 +134,6 @@ struct StepSolver::Impl {
   explicit Impl(const SolverConfig& given) : config(given) { validate(config); }
 
   void choose(StepSystem& system);
-  void findFreeParts(const StepSystem& system);
-  template <class Scalar>
-  void keepMomentum(const StepSystem& system, const DifferenceMatrix<Scalar>& matrix,
-                    const Eigen::Matrix3Xd& b, Eigen::Matrix3Xd& x);
   bool iterateOrGiveUp(StepSystem& system, const Eigen::Matrix3Xd& b,
                        std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x,
                        SolverReport& report, SolveResult& result);
@@ -187,66 +182,6 @@ void StepSolver::Impl::choose(StepSystem& system) {
   }
 }
 
-void StepSolver::Impl::findFreeParts(const StepSystem& system) {
-  knows_free_parts = true;
-  free_parts.clear();
-  const RowPattern& pattern = system.pattern();
-  std::vector<char> is_movable(pattern.numVertices(), 0), is_seen(pattern.numVertices(), 0);
-  for (const int i : system.movable()) is_movable[i] = 1;
-  for (const int start : system.movable()) {
-    if (is_seen[start]) continue;
-    std::vector<int> part = {start};
-    is_seen[start] = 1;
-    bool is_held = false;
-    for (std::size_t k = 0; k < part.size(); ++k) {
-      const RowPattern::Row& row = pattern.rows[part[k]];
-      for (int entry = row.first; entry < row.first + row.count; ++entry) {
-        const int other = pattern.column[entry];
-        is_held = is_held || !is_movable[other];
-        if (!is_movable[other] || is_seen[other]) continue;
-        is_seen[other] = 1;
-        part.push_back(other);
-      }
-    }
-    if (is_held) continue;
-    std::sort(part.begin(), part.end());
-    free_parts.push_back(std::move(part));
-  }
-}
-
-// Forces within a part add up to nothing, so sum of S_i x_i = sum of b_i, to rounding; a shift makes it so of
-// what an iteration has left.
-template <class Scalar>
-void StepSolver::Impl::keepMomentum(const StepSystem& system, const DifferenceMatrix<Scalar>& matrix,
-                                    const Eigen::Matrix3Xd& b, Eigen::Matrix3Xd& x) {
-  if (!knows_free_parts) findFreeParts(system);
-  if (free_parts.empty()) return;
-  std::vector<Eigen::Matrix3d> tied;
-  std::vector<int> place(matrix.ties.empty() ? 0 : system.pattern().numVertices(), -1);
-  for (const auto& tie : matrix.ties) {
-    if (place[tie.vertex] < 0) {
-      place[tie.vertex] = static_cast<int>(tied.size());
-      tied.push_back(Eigen::Matrix3d::Zero());
-    }
-    tied[place[tie.vertex]] += tie.stiffness;
-  }
-  for (const std::vector<int>& part : free_parts) {
-    if (!std::binary_search(system.active().begin(), system.active().end(), part.front()))
-      continue;  // asleep
-    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d lacking = Eigen::Vector3d::Zero();
-    for (const int i : part) {
-      Eigen::Matrix3d S = matrix.masses[i] * Eigen::Matrix3d::Identity();
-      if (!place.empty() && place[i] >= 0) S += tied[place[i]];
-      sum += S;
-      lacking += b.col(i) - S * x.col(i);
-    }
-    const Eigen::Vector3d shift = sum.ldlt().solve(lacking);
-    if (!shift.allFinite()) continue;
-    for (const int i : part) x.col(i) += shift;
-  }
-}
-
 void StepSolver::Impl::takeBody(StepSystem& system) {
   fixed.assign(system.pattern().numVertices(), true);
   for (const int i : system.movable()) fixed[i] = false;
@@ -259,7 +194,7 @@ void StepSolver::Impl::prepare(StepSystem& system) {
   factor.reset();
   solutions.clear();
   is_direct_analysed = false;
-  knows_free_parts = false;
+  free_parts.reset();
   of_single = of_iterations = {};
   many_iterations_since = 0;
   was_factor_tried = prefers_factor = false;
@@ -349,7 +284,6 @@ void StepSolver::Impl::replaceAggregates(StepSystem& system) {
   constexpr double kIterationsWithFactor = 8, kSlowness = 0.75;  // the matrix is read slower than the factor
   const double spared = many_iterations_most / kIterationsWithFactor - 1;
   const double most_values = spared * kSlowness * static_cast<double>(rest_matrix.blocks.size());
-  takeBody(system);
   MadeFactor made = makeFactor(system.pattern(), rest_matrix, fixed, static_cast<std::size_t>(most_values));
   if (made.status != SolveStatus::kSolved) return;
   prefers_factor = true;
@@ -495,7 +429,8 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   for (const int i : active) {
     for (int c = 0; c < 3; ++c) x(c, i) = length * static_cast<double>(lane.x[3 * i + c]);
   }
-  keepMomentum(system, lane.matrix, b, x);
+  if (!free_parts) free_parts.emplace(system.pattern(), system.movable());
+  free_parts->keepMomentum(lane.matrix, active, b, x);
   if (config.projection > 0 && length > 0) {
     if (static_cast<int>(solutions.size()) >= config.projection) solutions.pop_back();
     active_in_solutions = active;
@@ -548,7 +483,7 @@ void StepSolver::follow(const std::vector<AddedVertex>& added, const std::vector
     s.stale_steps = 0;
   }
   s.is_direct_analysed = false;
-  s.knows_free_parts = false;
+  s.free_parts.reset();
   s.solutions.clear();
   if (s.next_factor.valid()) {
     s.next_added.insert(s.next_added.end(), added.begin(), added.end());

@@ -128,11 +128,10 @@ StageTraffic factorTraffic(const BlockPattern& pattern, const Blocks& blocks,
 
 /// The rigid motions of groups that share a block: two block rows a group.
 StageTraffic coarseTraffic(BentBody& bent, int num_groups) {
-  // What AggregatePreconditioner takes; held against the number of groups that it came to.
-  constexpr int kGroupSize = 30;
   const RowPattern& rows = bent.corotated().pattern();
   int count = 0;
-  const std::vector<int> group = makeAggregates(rows, bent.active, kGroupSize, count);
+  const std::vector<int> group =
+      makeAggregates(rows, bent.active, AggregatePreconditioner::kGroupSize, count);
   if (count != num_groups) throw std::runtime_error("the groups are of another size than was counted with");
   std::vector<std::set<int>> below(num_groups);
   for (const int i : bent.active) {

@@ -25,6 +25,9 @@ std::vector<int> makeAggregates(const RowPattern& pattern, const std::vector<int
 /// preconditioned conjugate gradient method and algebraic multigrid for composite materials", 2011.
 class AggregatePreconditioner final : public Preconditioner {
  public:
+  /// Vertices of a group. Fewer make a larger coarse system and fewer iterations.
+  static constexpr int kGroupSize = 30;
+
   /// rest_matrix: A_0; rest_positions: 3 x n [m].
   SolveStatus make(const RowPattern& pattern, const DifferenceMatrix<double>& rest_matrix,
                    const Eigen::Ref<const Eigen::Matrix3Xd>& rest_positions, const std::vector<int>& active);
