@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polyscalpel/core/difference_matrix.hpp"
 
+#include <type_traits>
+
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/core/parallel.hpp"
-#include "polyscalpel/core/quad.hpp"
+#include "row_kernels.hpp"
 
 namespace polyscalpel {
 
@@ -35,23 +37,13 @@ template void addHold<double>(const RowPattern&, const Hold&, DifferenceMatrix<d
 template <class Scalar>
 void multiply(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
               const std::vector<int>& active, const Scalar* x, Scalar* y, int num_threads) {
-  const int* const columns = pattern.column.data();
-  const Scalar* const blocks = matrix.blocks.data();
+  const RowsOfBlocks<Scalar> rows = {pattern.rows.data(), pattern.column.data(), matrix.blocks.data(),
+                                     matrix.masses.data()};
   parallelChunks(static_cast<int>(active.size()), kRowsAChunk, num_threads, [&](int first, int last) {
-    for (int k = first; k < last; ++k) {
-      const int i = active[k];
-      const RowPattern::Row& row = pattern.rows[i];
-      const Quad<Scalar> x_i = loadQuad(x + 3 * i);
-      Quad<Scalar> even = static_cast<Scalar>(matrix.masses[i]) * x_i, odd = {};
-      const Scalar* block = blocks + 9 * static_cast<std::ptrdiff_t>(row.first);
-      for (int entry = row.first; entry < row.first + row.count; ++entry, block += 9) {
-        const Quad<Scalar> d = loadQuad(x + 3 * columns[entry]) - x_i;
-        even += loadQuad(block) * spread<0>(d);
-        odd += loadQuad(block + 3) * spread<1>(d);
-        // The block's last column ends with it: what follows may be another row's or the padding.
-        even += loadQuad(block + 6) * spread<2>(d);
-      }
-      storeThree(y + 3 * i, Quad<Scalar>(even + odd));
+    if constexpr (std::is_same_v<Scalar, float>) {
+      rowKernels().multiply_float(rows, &active[first], last - first, x, y);
+    } else {
+      rowKernels().multiply_double(rows, &active[first], last - first, x, y);
     }
   });
   for (const auto& tie : matrix.ties) {

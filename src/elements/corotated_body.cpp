@@ -251,18 +251,37 @@ template void CorotatedBody::assemble<float>(const Eigen::VectorXd&, double, dou
 template void CorotatedBody::assemble<double>(const Eigen::VectorXd&, double, double,
                                               DifferenceMatrix<double>&);
 
-void CorotatedBody::assembleAtRest(const Eigen::VectorXd& vertex_masses, double mass_scale,
-                                   double stiffness_scale, const std::vector<char>& still,
-                                   DifferenceMatrix<double>& matrix) {
+// With others still, and another linearisation, which is gone afterwards.
+template <class Run>
+void CorotatedBody::runApart(const std::vector<char>& still, const Run& run) {
   const std::vector<double> rotations = rotations_, spins = spins_;
   const std::vector<char> still_now = still_;
   setStill(still);
-  lineariseAtRest();
-  assemble(vertex_masses, mass_scale, stiffness_scale, matrix);
+  run();
   rotations_ = rotations;
   spins_ = spins;
   turned_float_.is_current = turned_double_.is_current = false;
   setStill(still_now);
+}
+
+void CorotatedBody::assembleAtRest(const Eigen::VectorXd& vertex_masses, double mass_scale,
+                                   double stiffness_scale, const std::vector<char>& still,
+                                   DifferenceMatrix<double>& matrix) {
+  runApart(still, [&] {
+    lineariseAtRest();
+    assemble(vertex_masses, mass_scale, stiffness_scale, matrix);
+  });
+}
+
+void CorotatedBody::assembleAt(const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+                               const Eigen::VectorXd& vertex_masses, double mass_scale,
+                               double stiffness_scale, const std::vector<char>& still,
+                               DifferenceMatrix<double>& matrix, std::vector<float>& rotations) {
+  runApart(still, [&] {
+    linearise(positions, false);
+    assemble(vertex_masses, mass_scale, stiffness_scale, matrix);
+    vertexRotations(rotations);
+  });
 }
 
 // As the matrix: row sums, and differences to the neighbours.

@@ -17,10 +17,12 @@ using Clock = std::chrono::steady_clock;
 /// solve.
 class BodySystem final : public StepSystem {
  public:
-  BodySystem(Assembly& assembly, const IntegrationConfig& config, const std::vector<int>& movable,
-             const std::vector<int>& active, const std::vector<LinearisedContact>& contacts,
-             const std::vector<bool>& acts, double& assembly_s)
+  BodySystem(Assembly& assembly, const Eigen::Matrix3Xd& positions, const IntegrationConfig& config,
+             const std::vector<int>& movable, const std::vector<int>& active,
+             const std::vector<LinearisedContact>& contacts, const std::vector<bool>& acts,
+             double& assembly_s)
       : assembly_(assembly),
+        positions_(positions),
         body_(*assembly.corotatedBody()),
         step_s_(config.time_step_s),
         mass_scale_(1 + step_s_ * config.mass_damping_per_s),
@@ -38,9 +40,11 @@ class BodySystem final : public StepSystem {
   void assemble(DifferenceMatrix<float>& matrix) override { assembleIn(matrix); }
   void assemble(DifferenceMatrix<double>& matrix) override { assembleIn(matrix); }
   void assembleAtRest(DifferenceMatrix<double>& matrix) override {
-    std::vector<char> fixed(pattern().numVertices(), 1);
-    for (const int i : movable_) fixed[i] = 0;
-    body_.assembleAtRest(assembly_.vertexMasses(), mass_scale_, stiffness_scale_, fixed, matrix);
+    body_.assembleAtRest(assembly_.vertexMasses(), mass_scale_, stiffness_scale_, immovable(), matrix);
+  }
+  void assembleBody(DifferenceMatrix<double>& matrix, std::vector<float>& rotations) override {
+    body_.assembleAt(positions_, assembly_.vertexMasses(), mass_scale_, stiffness_scale_, immovable(), matrix,
+                     rotations);
   }
   void vertexRotations(std::vector<float>& rotations) override {
     const StageTimer timer(assembly_s_);
@@ -48,6 +52,11 @@ class BodySystem final : public StepSystem {
   }
 
  private:
+  std::vector<char> immovable() const {
+    std::vector<char> flags(pattern().numVertices(), 1);
+    for (const int i : movable_) flags[i] = 0;
+    return flags;
+  }
   template <class Scalar>
   void assembleIn(DifferenceMatrix<Scalar>& matrix) {
     const StageTimer timer(assembly_s_);
@@ -58,6 +67,7 @@ class BodySystem final : public StepSystem {
   }
 
   Assembly& assembly_;
+  const Eigen::Matrix3Xd& positions_;
   CorotatedBody& body_;
   double step_s_, mass_scale_, stiffness_scale_;
   const std::vector<int>& movable_;
@@ -137,7 +147,7 @@ SolveResult ImplicitEuler::solveByIteration(const SimulationState& state, Assemb
       movable_.push_back(i);
       if (!state.isAsleep(i)) active_.push_back(i);
     }
-    BodySystem system(assembly, config_, movable_, active_, contacts, acts, assembly_s);
+    BodySystem system(assembly, state.positions, config_, movable_, active_, contacts, acts, assembly_s);
     solved = iteration_.solve(system, contacts.empty() ? rhs_ : contact_rhs_, result.solves == 0, step_start,
                               dv_, result.solver);
   }

@@ -137,6 +137,7 @@ struct DirectSolver::Impl {
                                                : SolveStatus::kOutOfMemory;
   }
 
+  SolveStatus takePattern(const BlockPattern& pattern, const std::vector<bool>& fixed);
   bool makeMatrix(const BlockPattern& pattern);
   bool orderVertices(const BlockPattern& pattern, Ordering ordering, std::vector<int>& order);
   Factor makeSymbolicFactor(const std::vector<int>& vertex_order);
@@ -225,18 +226,35 @@ bool DirectSolver::hasFactor() const {
   return impl_->has_factor;
 }
 
-SolveStatus DirectSolver::analyse(const BlockPattern& pattern, const std::vector<bool>& fixed) {
+SolveStatus DirectSolver::Impl::takePattern(const BlockPattern& pattern, const std::vector<bool>& fixed) {
   POLYSCALPEL_ASSERT(static_cast<int>(fixed.size()) == pattern.numVertices());
-  Impl& s = *impl_;
-  s.has_factor = false;
-  s.factor.reset();
-  s.free_index.assign(fixed.size(), -1);
-  s.num_free = 0;
+  has_factor = false;
+  factor.reset();
+  free_index.assign(fixed.size(), -1);
+  num_free = 0;
   for (std::size_t i = fixed.size(); i-- > 0;) {
-    if (!fixed[i]) s.free_index[i] = s.num_free++;
+    if (!fixed[i]) free_index[i] = num_free++;
   }
-  if (s.num_free == 0) return SolveStatus::kSolved;
-  if (!s.makeMatrix(pattern)) return s.failure();
+  return num_free == 0 || makeMatrix(pattern) ? SolveStatus::kSolved : failure();
+}
+
+SolveStatus DirectSolver::analyse(const BlockPattern& pattern, const std::vector<bool>& fixed,
+                                  const std::vector<int>& order) {
+  Impl& s = *impl_;
+  const SolveStatus status = s.takePattern(pattern, fixed);
+  if (status != SolveStatus::kSolved || s.num_free == 0) return status;
+  POLYSCALPEL_ASSERT(static_cast<int>(order.size()) == s.num_free);
+  std::vector<int> free_order;
+  free_order.reserve(order.size());
+  for (const int vertex : order) free_order.push_back(s.free_index[vertex]);
+  s.factor = s.makeSymbolicFactor(free_order);
+  return s.factor ? SolveStatus::kSolved : s.failure();
+}
+
+SolveStatus DirectSolver::analyse(const BlockPattern& pattern, const std::vector<bool>& fixed) {
+  Impl& s = *impl_;
+  const SolveStatus status = s.takePattern(pattern, fixed);
+  if (status != SolveStatus::kSolved || s.num_free == 0) return status;
   // Minimum degree takes a millisecond or two; nested dissection takes ten times that after every cut, so it
   // must earn it. Decided once: a later pattern is the same body with some cuts.
   constexpr double kWorthDissection = 0.7;
@@ -303,8 +321,8 @@ SolveStatus DirectSolver::factorise(const BlockPattern& pattern, const Blocks& b
   return SolveStatus::kSolved;
 }
 
-FactorPanels DirectSolver::panels() const {
-  const Impl& s = *impl_;
+FactorPanels DirectSolver::panels() {
+  Impl& s = *impl_;
   POLYSCALPEL_ASSERT(s.has_factor);
   FactorPanels panels;
   if (s.num_free == 0) return panels;
@@ -314,14 +332,11 @@ FactorPanels DirectSolver::panels() const {
   const int* const first_row = static_cast<const int*>(L.pi);
   const int* const first_value = static_cast<const int*>(L.px);
   const int* const rows = static_cast<const int*>(L.s);
+  double* const values = static_cast<double*>(L.x);
   for (std::size_t k = 0; k < L.nsuper; ++k) {
-    panels.supernodes.push_back({super[k],
-                                 super[k + 1] - super[k],
-                                 {rows + first_row[k], rows + first_row[k + 1]},
-                                 static_cast<std::size_t>(first_value[k])});
+    panels.supernodes.push_back({super[k], super[k + 1] - super[k], first_row[k + 1] - first_row[k],
+                                 rows + first_row[k], values + first_value[k]});
   }
-  const double* const values = static_cast<const double*>(L.x);
-  panels.values.assign(values, values + L.xsize);
   std::vector<int> vertex_of_free(s.num_free);
   for (std::size_t i = 0; i < s.free_index.size(); ++i) {
     if (s.free_index[i] >= 0) vertex_of_free[s.free_index[i]] = static_cast<int>(i);

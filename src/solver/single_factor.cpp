@@ -5,8 +5,10 @@
 #include "polyscalpel/solver/single_factor.hpp"
 
 #include <algorithm>
+#include <utility>
 
-#include <Eigen/Dense>
+#include <cblas.h>
+#include <Eigen/Core>
 
 #include "panel_kernels.hpp"
 
@@ -21,15 +23,16 @@ int roundUp(int value, int to) {
 }  // namespace
 
 SolveStatus SingleFactor::factorise(const BlockPattern& pattern, const Blocks& blocks,
-                                    const std::vector<bool>& fixed, std::size_t most_values) {
+                                    const std::vector<bool>& fixed, std::size_t most_values,
+                                    const std::vector<int>& order) {
   *this = {};
   DirectSolver solver;
-  SolveStatus status = solver.analyse(pattern, fixed);
+  SolveStatus status = order.empty() ? solver.analyse(pattern, fixed) : solver.analyse(pattern, fixed, order);
   if (status == SolveStatus::kSolved && solver.factorSize() > most_values) status = SolveStatus::kOutOfMemory;
   if (status == SolveStatus::kSolved) status = solver.factorise(pattern, blocks);
   if (status != SolveStatus::kSolved) return status;
-  const FactorPanels panels = solver.panels();
-  places_ = panels.places;
+  FactorPanels panels = solver.panels();
+  places_ = std::move(panels.places);
   int most_columns = 0, most_rows = 0;
   std::size_t size = 0;
   for (const FactorPanels::Supernode& given : panels.supernodes) {
@@ -37,36 +40,50 @@ SolveStatus SingleFactor::factorise(const BlockPattern& pattern, const Blocks& b
     node.first_column = given.first_column;
     node.num_columns = given.num_columns;
     node.first_row = static_cast<int>(rows_.size());
-    node.num_rows = static_cast<int>(given.rows.size()) - given.num_columns;
-    node.leading = roundUp(static_cast<int>(given.rows.size()), kPanelLanes);
+    node.num_rows = given.num_rows - given.num_columns;
+    node.leading = roundUp(given.num_rows, kPanelLanes);
     node.padded_columns = roundUp(given.num_columns, kPanelColumns);
     node.first_value = size;
     size += static_cast<std::size_t>(node.leading) * node.padded_columns;
-    rows_.insert(rows_.end(), given.rows.begin() + given.num_columns, given.rows.end());
+    rows_.insert(rows_.end(), given.rows + given.num_columns, given.rows + given.num_rows);
     most_columns = std::max(most_columns, node.padded_columns);
     most_rows = std::max(most_rows, node.leading);
     supernodes_.push_back(node);
   }
   values_.assign(size, 0.0F);
-  for (std::size_t s = 0; s < supernodes_.size(); ++s) {
-    const Supernode& node = supernodes_[s];
-    const Eigen::Map<const Eigen::MatrixXd> panel(panels.values.data() + panels.supernodes[s].first_value,
-                                                  node.num_columns + node.num_rows, node.num_columns);
-    const auto diagonal = panel.topRows(node.num_columns).triangularView<Eigen::Lower>();
-    Eigen::Map<Eigen::MatrixXf> target(values_.data() + node.first_value, node.leading, node.padded_columns);
-    const Eigen::MatrixXd inverse =
-        diagonal.solve(Eigen::MatrixXd::Identity(node.num_columns, node.num_columns));
-    target.topLeftCorner(node.num_columns, node.num_columns) = inverse.cast<float>();
-    if (node.num_rows == 0) continue;
-    target.block(node.num_columns, 0, node.num_rows, node.num_columns) =
-        (panel.bottomRows(node.num_rows) * inverse.triangularView<Eigen::Lower>()).cast<float>();
-  }
+  for (std::size_t s = 0; s < supernodes_.size(); ++s) takePanel(panels.supernodes[s], supernodes_[s]);
   permuted_.assign(places_.size() + most_columns, 0.0F);
   column_room_.assign(most_columns, 0.0F);
   row_room_.assign(most_rows, 0.0F);
   return values_.empty() || Eigen::Map<const Eigen::VectorXf>(values_.data(), values_.size()).allFinite()
              ? SolveStatus::kSolved
              : SolveStatus::kNotFinite;
+}
+
+// L21 L11^-1 in place of L21, then L11^-1.
+void SingleFactor::takePanel(const FactorPanels::Supernode& given, const Supernode& node) {
+  const int columns = given.num_columns;
+  double* const below = given.values + columns;
+  Eigen::Map<Eigen::MatrixXd> panel(given.values, given.num_rows, columns);
+  Eigen::Map<Eigen::MatrixXf> target(&values_[node.first_value], node.leading, node.padded_columns);
+  if (node.num_rows > 0) {
+    cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasNoTrans, CblasNonUnit, node.num_rows, columns, 1,
+                given.values, given.num_rows, below, given.num_rows);
+    target.block(columns, 0, node.num_rows, columns) = panel.bottomRows(node.num_rows).cast<float>();
+  }
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(columns, columns);
+  cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, columns, columns, 1,
+              given.values, given.num_rows, inverse.data(), columns);
+  target.topLeftCorner(columns, columns) = inverse.cast<float>();
+}
+
+std::vector<int> SingleFactor::order() const {
+  std::vector<int> order;
+  order.reserve(places_.size() / 3);
+  for (const int place : places_) {
+    if (place % 3 == 0) order.push_back(place / 3);
+  }
+  return order;
 }
 
 void SingleFactor::solve(float* values) {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <deque>
 #include <future>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -16,6 +15,7 @@
 #include "polyscalpel/solver/aggregates.hpp"
 #include "polyscalpel/solver/block_jacobi.hpp"
 #include "polyscalpel/solver/conjugate_gradients.hpp"
+#include "polyscalpel/solver/elimination_order.hpp"
 
 namespace polyscalpel {
 
@@ -43,13 +43,13 @@ struct MadeFactor {
 };
 
 MadeFactor makeFactor(const RowPattern& rows, const DifferenceMatrix<double>& matrix,
-                      const std::vector<bool>& fixed,
-                      std::size_t most_values = std::numeric_limits<std::size_t>::max()) {
+                      const std::vector<bool>& fixed, std::size_t most_values = SingleFactor::kAnySize,
+                      const std::vector<int>& order = {}) {
   const BlockPattern pattern = toBlockPattern(rows);
   Blocks blocks;
   convert(rows, matrix, pattern, blocks);
   MadeFactor made;
-  made.status = made.factor.factorise(pattern, blocks, fixed, most_values);
+  made.status = made.factor.factorise(pattern, blocks, fixed, most_values, order);
   return made;
 }
 
@@ -98,11 +98,15 @@ struct StepSolver::Impl {
   std::string reason;
 
   std::vector<bool> fixed;
-  DifferenceMatrix<double> rest_matrix;
+  DifferenceMatrix<double> body_matrix;  // of all that is movable, without contacts
+  std::vector<float> body_rotations;     // of the vertices in it; empty: it is of the rest shape
   std::optional<TurnedFactor> factor;
+  std::vector<int> order;  // of elimination, of the last factor
+  std::vector<AddedVertex> added_since_order;
   // The factor under way, of a body as it was, and what has been cut since.
   std::future<MadeFactor> next_factor;
   std::vector<bool> next_fixed;
+  std::vector<float> next_rotations;
   std::vector<AddedVertex> next_added;
   std::vector<int> next_touched;
   std::optional<AggregatePreconditioner> aggregates;
@@ -139,11 +143,14 @@ struct StepSolver::Impl {
                        SolverReport& report, SolveResult& result);
   void noteIterations(const SolverReport& report);
   void replaceAggregates(StepSystem& system);
-  void takeBody(StepSystem& system);
+  void takeFixed(StepSystem& system);
+  void takeBodyAtRest(StepSystem& system);
+  void takeBodyAsItLies(StepSystem& system);
   void prepare(StepSystem& system);
   void refresh(StepSystem& system);
   void takeNextFactor();
-  void takeFactor(MadeFactor made, const std::vector<bool>& its_fixed);
+  void takeFactor(MadeFactor made, const std::vector<bool>& its_fixed, std::vector<float> its_rotations);
+  std::vector<int> inheritedOrder() const;
   bool hasLargePatch() const;
   void replaceLargePatch(StepSystem& system);
   void prepareAggregates(StepSystem& system);
@@ -166,7 +173,7 @@ void StepSolver::Impl::choose(StepSystem& system) {
     return;
   }
   const std::size_t moving = system.movable().size();
-  const double ratio = stiffnessOverMass(system.pattern(), rest_matrix, system.movable());
+  const double ratio = stiffnessOverMass(system.pattern(), body_matrix, system.movable());
   if (ratio < kMildStiffness) {
     kind = SolverKind::kJacobi;
     reason = "the step is short: mass outweighs stiffness";
@@ -182,10 +189,21 @@ void StepSolver::Impl::choose(StepSystem& system) {
   }
 }
 
-void StepSolver::Impl::takeBody(StepSystem& system) {
+void StepSolver::Impl::takeFixed(StepSystem& system) {
   fixed.assign(system.pattern().numVertices(), true);
   for (const int i : system.movable()) fixed[i] = false;
-  system.assembleAtRest(rest_matrix);
+}
+
+void StepSolver::Impl::takeBodyAtRest(StepSystem& system) {
+  takeFixed(system);
+  system.assembleAtRest(body_matrix);
+  body_rotations.clear();
+}
+
+// Where cuts leave thin parts, a factor of the body as it lies takes a third of the iterations or less.
+void StepSolver::Impl::takeBodyAsItLies(StepSystem& system) {
+  takeFixed(system);
+  system.assembleBody(body_matrix, body_rotations);
 }
 
 // What depends on the pattern and on which vertices move.
@@ -201,7 +219,7 @@ void StepSolver::Impl::prepare(StepSystem& system) {
   prepareAggregates(system);
   choose(system);
   if (kind == SolverKind::kFactor) {
-    takeFactor(makeFactor(system.pattern(), rest_matrix, fixed), fixed);
+    takeFactor(makeFactor(system.pattern(), body_matrix, fixed), fixed, body_rotations);
   }
   is_restarted = is_cut = is_stale = false;
   stale_steps = 0;
@@ -213,18 +231,19 @@ void StepSolver::Impl::refresh(StepSystem& system) {
   ++stale_steps;
   // Not in the first step after a cut, which has the patch to factor.
   if (!next_factor.valid() && stale_steps >= std::min(2, config.refresh_after_steps)) {
-    takeBody(system);
+    takeBodyAsItLies(system);
     choose(system);  // cuts make vertices
     if (kind != SolverKind::kFactor) {
       factor.reset();
-      aggregates.reset();
+      prepareAggregates(system);
       is_stale = false;
       return;
     }
     next_fixed = fixed;
+    next_rotations = body_rotations;
     next_added.clear();
     next_touched.clear();
-    next_factor = std::async(std::launch::async, [rows = system.pattern(), matrix = rest_matrix,
+    next_factor = std::async(std::launch::async, [rows = system.pattern(), matrix = body_matrix,
                                                   fixed = fixed] { return makeFactor(rows, matrix, fixed); });
   }
   if (stale_steps > config.refresh_after_steps) takeNextFactor();
@@ -235,19 +254,33 @@ void StepSolver::Impl::takeNextFactor() {
   MadeFactor made = next_factor.get();
   stale_steps = 0;
   is_stale = !next_touched.empty();
-  takeFactor(std::move(made), next_fixed);
+  takeFactor(std::move(made), next_fixed, next_rotations);
+  added_since_order = next_added;
   if (factor && is_stale) factor->follow(next_added, next_touched);
 }
 
-void StepSolver::Impl::takeFactor(MadeFactor made, const std::vector<bool>& its_fixed) {
+void StepSolver::Impl::takeFactor(MadeFactor made, const std::vector<bool>& its_fixed,
+                                  std::vector<float> its_rotations) {
   factor.reset();
   if (made.status == SolveStatus::kSolved) {
-    factor.emplace(std::move(made.factor), its_fixed);
+    order = made.factor.order();
+    added_since_order.clear();
+    factor.emplace(std::move(made.factor), its_fixed, std::move(its_rotations));
   } else {
     is_stale = false;
     kind = SolverKind::kAggregates;
-    reason = std::string("of the rest shape's factor, ") + toString(made.status);
+    reason = std::string("of the body's factor, ") + toString(made.status);
   }
+}
+
+// Of the body as it is now; empty where that of the last factor does not lead to one.
+std::vector<int> StepSolver::Impl::inheritedOrder() const {
+  std::vector<int> inherited = followCuts(order, added_since_order);
+  inherited.erase(
+      std::remove_if(inherited.begin(), inherited.end(), [&](int vertex) { return fixed[vertex]; }),
+      inherited.end());
+  const auto num_free = std::count(fixed.begin(), fixed.end(), false);
+  return static_cast<std::ptrdiff_t>(inherited.size()) == num_free ? inherited : std::vector<int>();
 }
 
 bool StepSolver::Impl::hasLargePatch() const {
@@ -258,16 +291,16 @@ bool StepSolver::Impl::hasLargePatch() const {
 void StepSolver::Impl::replaceLargePatch(StepSystem& system) {
   if (hasLargePatch() && next_factor.valid()) takeNextFactor();
   if (!hasLargePatch()) return;
-  takeBody(system);
+  takeBodyAsItLies(system);
   choose(system);  // cuts make vertices
   is_stale = false;
   stale_steps = 0;
   if (kind == SolverKind::kFactor) {
-    takeFactor(makeFactor(system.pattern(), rest_matrix, fixed), fixed);
+    takeFactor(makeFactor(system.pattern(), body_matrix, fixed, SingleFactor::kAnySize, inheritedOrder()),
+               fixed, body_rotations);
   } else {
     factor.reset();
   }
-  aggregates.reset();
 }
 
 void StepSolver::Impl::noteIterations(const SolverReport& report) {
@@ -283,18 +316,19 @@ void StepSolver::Impl::replaceAggregates(StepSystem& system) {
   was_factor_tried = true;
   constexpr double kIterationsWithFactor = 8, kSlowness = 0.75;  // the matrix is read slower than the factor
   const double spared = many_iterations_most / kIterationsWithFactor - 1;
-  const double most_values = spared * kSlowness * static_cast<double>(rest_matrix.blocks.size());
-  MadeFactor made = makeFactor(system.pattern(), rest_matrix, fixed, static_cast<std::size_t>(most_values));
+  takeBodyAsItLies(system);
+  const double most_values = spared * kSlowness * static_cast<double>(body_matrix.blocks.size());
+  MadeFactor made = makeFactor(system.pattern(), body_matrix, fixed, static_cast<std::size_t>(most_values));
   if (made.status != SolveStatus::kSolved) return;
   prefers_factor = true;
   choose(system);
   aggregates.reset();
-  takeFactor(std::move(made), fixed);
+  takeFactor(std::move(made), fixed, body_rotations);
 }
 
 // The aggregates of the body as it is now are made when they are first asked for.
 void StepSolver::Impl::prepareAggregates(StepSystem& system) {
-  takeBody(system);
+  takeBodyAtRest(system);
   aggregates.reset();
 }
 
@@ -303,7 +337,7 @@ Preconditioner& StepSolver::Impl::preconditioner(StepSystem& system, SolverRepor
   if (report.kind == SolverKind::kAggregates && !aggregates) {
     aggregates.emplace();
     const SolveStatus status =
-        aggregates->make(system.pattern(), rest_matrix, system.restPositions(), system.movable());
+        aggregates->make(system.pattern(), body_matrix, system.restPositions(), system.movable());
     if (status != SolveStatus::kSolved) {
       report.kind = kind = SolverKind::kJacobi;
       reason = std::string("of the aggregates' factor, ") + toString(status);
@@ -489,6 +523,7 @@ void StepSolver::follow(const std::vector<AddedVertex>& added, const std::vector
     s.next_added.insert(s.next_added.end(), added.begin(), added.end());
     s.next_touched.insert(s.next_touched.end(), touched.begin(), touched.end());
   }
+  s.added_since_order.insert(s.added_since_order.end(), added.begin(), added.end());
   if (s.factor) s.factor->follow(added, touched);
 }
 

@@ -12,11 +12,13 @@
 
 namespace polyscalpel {
 
-TurnedFactor::TurnedFactor(SingleFactor factor, const std::vector<bool>& fixed)
+TurnedFactor::TurnedFactor(SingleFactor factor, const std::vector<bool>& fixed, std::vector<float> rotations)
     : factor_(std::move(factor), static_cast<int>(fixed.size())),
       num_vertices_(static_cast<int>(fixed.size())),
       is_fixed_(fixed),
-      first_share_(1, 0) {
+      first_share_(1, 0),
+      base_(std::move(rotations)) {
+  POLYSCALPEL_ASSERT(base_.empty() || base_.size() == 9 * fixed.size());
   coarse_.assign(3 * fixed.size(), 0.0F);
 }
 
@@ -49,6 +51,10 @@ void TurnedFactor::follow(const std::vector<AddedVertex>& added, const std::vect
     }
     shares_.insert(shares_.end(), shares.begin(), shares.end());
     first_share_.push_back(static_cast<int>(shares_.size()));
+    if (base_.empty()) continue;
+    const int parent = vertex.parents[vertex.weight > 0.5 ? 1 : 0];
+    base_.resize(base_.size() + 9);
+    std::copy_n(&base_[9 * parent], 9, &base_[base_.size() - 9]);
   }
   patch_.insert(patch_.end(), touched.begin(), touched.end());
   std::sort(patch_.begin(), patch_.end());
@@ -62,6 +68,7 @@ SolveStatus TurnedFactor::update(const RowPattern& pattern, const DifferenceMatr
   matrix_ = &matrix;
   rotations_ = rotations.data();
   active_ = &active;
+  turnCoarse();
   const SolveStatus status = holdCoarse();
   if (status != SolveStatus::kSolved) return status;
   // Held softer than it is, the patch would be corrected twice too far.
@@ -69,6 +76,18 @@ SolveStatus TurnedFactor::update(const RowPattern& pattern, const DifferenceMatr
   if (is_held || was_patch_held_) is_patch_factored_ = false;
   was_patch_held_ = is_held;
   return is_patch_factored_ ? SolveStatus::kSolved : factorPatch();
+}
+
+void TurnedFactor::turnCoarse() {
+  coarse_turns_ = rotations_;
+  if (base_.empty()) return;
+  turns_.resize(base_.size());
+  for (const int i : *active_) {
+    Eigen::Map<Eigen::Matrix3f>(&turns_[9 * i]).noalias() =
+        Eigen::Map<const Eigen::Matrix3f>(rotations_ + 9 * i) *
+        Eigen::Map<const Eigen::Matrix3f>(&base_[9 * i]).transpose();
+  }
+  coarse_turns_ = turns_.data();
 }
 
 bool TurnedFactor::isPatchHeld() const {
@@ -84,7 +103,7 @@ SolveStatus TurnedFactor::holdCoarse() {
     HeldFactor::HeldPoint& point = points.emplace_back();
     point.stiffness = hold.stiffness;
     for (const Hold::Share& share : hold.shares) {
-      const Eigen::Map<const Eigen::Matrix3f> R(rotations_ + 9 * share.vertex);
+      const Eigen::Map<const Eigen::Matrix3f> R(coarse_turns_ + 9 * share.vertex);
       const Eigen::Matrix3d turned = share.weight * R.cast<double>().transpose();
       forEachShare(share.vertex, [&](int of, float weight) {
         if (!is_fixed_[of]) point.parts.push_back({of, weight * turned});
@@ -175,7 +194,7 @@ void TurnedFactor::addCoarse(const float* residual, float* result) {
   std::fill(coarse_.begin(), coarse_.end(), 0.0F);
   for (const int i : *active_) {
     float r[3];
-    turnBack(rotations_ + 9 * i, residual + 3 * i, r);
+    turnBack(coarse_turns_ + 9 * i, residual + 3 * i, r);
     forEachShare(i, [&](int of, float weight) {
       if (is_fixed_[of]) return;
       for (int c = 0; c < 3; ++c) coarse_[3 * of + c] += weight * r[c];
@@ -187,7 +206,7 @@ void TurnedFactor::addCoarse(const float* residual, float* result) {
     forEachShare(i, [&](int of, float weight) {
       for (int c = 0; c < 3; ++c) z[c] += weight * coarse_[3 * of + c];
     });
-    turn(rotations_ + 9 * i, z, z);
+    turn(coarse_turns_ + 9 * i, z, z);
     for (int c = 0; c < 3; ++c) result[3 * i + c] += z[c];
   }
 }

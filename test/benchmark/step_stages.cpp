@@ -120,7 +120,7 @@ StageTraffic factorTraffic(const BlockPattern& pattern, const Blocks& blocks,
   const FactorPanels panels = solver.panels();
   double bytes = kInt * static_cast<double>(panels.places.size());
   for (const FactorPanels::Supernode& node : panels.supernodes) {
-    const double columns = node.num_columns, rows = static_cast<double>(node.rows.size());
+    const double columns = node.num_columns, rows = node.num_rows;
     bytes += kFloat * (columns * rows - columns * (columns - 1) / 2) + kInt * (rows - columns);
   }
   return {2 * bytes, bytes, static_cast<std::int64_t>(panels.places.size()), "unknown"};
@@ -130,8 +130,8 @@ StageTraffic factorTraffic(const BlockPattern& pattern, const Blocks& blocks,
 StageTraffic coarseTraffic(BentBody& bent, int num_groups) {
   const RowPattern& rows = bent.corotated().pattern();
   int count = 0;
-  const std::vector<int> group =
-      makeAggregates(rows, bent.active, AggregatePreconditioner::kGroupSize, count);
+  const int size = AggregatePreconditioner::groupSize(static_cast<int>(bent.active.size()));
+  const std::vector<int> group = makeAggregates(rows, bent.active, size, count);
   if (count != num_groups) throw std::runtime_error("the groups are of another size than was counted with");
   std::vector<std::set<int>> below(num_groups);
   for (const int i : bent.active) {

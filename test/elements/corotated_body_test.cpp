@@ -337,17 +337,24 @@ TEST(CorotatedBody, AnyNumberOfThreadsGivesTheSameBits) {
   }
 }
 
-TEST(CorotatedBody, TheRestShapesMatrixLeavesTheLinearisationAsItIs) {
+TEST(CorotatedBody, AMatrixOfAnotherShapeLeavesTheLinearisationAsItIs) {
   for (const PolyhedralMesh& mesh : {makeTets(), makePolyhedra()}) {
     Assembly assembly(mesh, kMaterial, {}, 0);
     CorotatedBody& body = *assembly.corotatedBody();
     CorotatedBody untouched = body;
     const Eigen::Matrix3Xd positions = someRotation() * shake(mesh, 0.01, 10);
+    const Eigen::Matrix3Xd others = someRotation() * shake(mesh, 0.01, 11);
+    std::vector<char> still(mesh.numVertices(), 0);
+    still[0] = 1;
+    body.setStill(still);
+    untouched.setStill(still);
     Eigen::Matrix3Xd forces, expected;
     body.lineariseWithForces(positions, positions, true, forces);
     untouched.lineariseWithForces(positions, positions, true, expected);
-    DifferenceMatrix<double> at_rest;
+    DifferenceMatrix<double> at_rest, at_others;
+    std::vector<float> rotations, expected_rotations;
     body.assembleAtRest(assembly.vertexMasses(), 2, 3, {}, at_rest);
+    body.assembleAt(others, assembly.vertexMasses(), 2, 3, {}, at_others, rotations);
     body.internalForces(positions, forces);
     EXPECT_EQ(forces, expected);
     DifferenceMatrix<float> single, expected_single;
@@ -358,10 +365,16 @@ TEST(CorotatedBody, TheRestShapesMatrixLeavesTheLinearisationAsItIs) {
     body.assemble(assembly.vertexMasses(), 2, 3, matrix);
     untouched.assemble(assembly.vertexMasses(), 2, 3, expected_matrix);
     EXPECT_EQ(matrix.blocks, expected_matrix.blocks);
+    untouched.setStill({});
     untouched.lineariseAtRest();
     untouched.assemble(assembly.vertexMasses(), 2, 3, expected_matrix);
     EXPECT_EQ(at_rest.blocks, expected_matrix.blocks);
     EXPECT_EQ(at_rest.masses, expected_matrix.masses);
+    untouched.linearise(others, true);
+    untouched.assemble(assembly.vertexMasses(), 2, 3, expected_matrix);
+    untouched.vertexRotations(expected_rotations);
+    EXPECT_EQ(at_others.blocks, expected_matrix.blocks);
+    EXPECT_EQ(rotations, expected_rotations);
   }
 }
 

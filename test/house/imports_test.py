@@ -26,7 +26,7 @@ BELOW = {
 
 # Foreign header -> files that may include it.
 FOREIGN = [
-    (r"(suitesparse/)?cholmod", r"src/solver/[^/]+\.cpp"),
+    (r"(suitesparse/)?cholmod|cblas", r"src/solver/[^/]+\.cpp"),
     (r"fcl/", r"src/collision/[^/]+\.cpp"),
     (r"gmsh\.h", r"src/mesh/[^/]+\.cpp"),
     (r"CGAL/(Exact_|MP_Float|Lazy)", r"src/geometry/predicates\.cpp"),

@@ -149,17 +149,13 @@ void cutFromAbove(PolyhedralMesh& mesh, BodySystem& system, StepSolver& solver, 
   const CutResult result = cutMesh(mesh, mesh.restPositions(), blade, CuttingConfig(), cut);
   ASSERT_EQ(result.status, CutStatus::kCut) << result.message;
   system.follow(mesh, result.change);
-  std::vector<AddedVertex> added;
-  for (const NewVertex& vertex : result.change.new_vertices)
-    added.push_back(
-        {vertex.vertex.index(), {vertex.parents[0].index(), vertex.parents[1].index()}, vertex.weight});
   std::vector<int> touched;
   std::vector<CellId> cells = result.change.changed_cells;
   for (const NewCell& cell : result.change.new_cells) cells.push_back(cell.cell);
   for (const CellId cell : cells) {
     for (const VertexId vertex : mesh.cell(cell).vertices) touched.push_back(vertex.index());
   }
-  solver.follow(added, touched);
+  solver.follow(addedBy(result.change), touched);
   system.linearise(bend(mesh.restPositions(), kLength, 0.8));
 }
 
@@ -221,6 +217,28 @@ TEST(StepSolver, ALargeCutIsFactoredAtOnce) {
       EXPECT_EQ(solution.report.kind, SolverKind::kFactor);
       EXPECT_EQ(solution.report.fallbacks, 0);
       EXPECT_LE(solution.report.iterations, 2 * before + 2);
+    }
+  }
+}
+
+// The next factor is of the body as it lies: until it moves on, nothing is left to iterate.
+TEST(StepSolver, AFactorTakenOverIsExact) {
+  PolyhedralMesh mesh = makeTetBeam(4);
+  BodySystem system(mesh);
+  SolverConfig config = withKind(SolverKind::kFactor, 1e-4, Precision::kAuto);
+  config.refresh_after_steps = 4;
+  config.projection = 0;
+  StepSolver solver(config);
+  system.linearise(bentBeam(mesh));
+  EXPECT_GT(solve(solver, system, someLoad(system, 7)).report.iterations, 2);
+  cutFromAbove(mesh, system, solver, 0.203, 0.03, 1);
+  for (int step = 1; step <= 6; ++step) {
+    const Solution solution = solve(solver, system, someLoad(system, 8 + step));
+    EXPECT_EQ(solution.report.kind, SolverKind::kFactor);
+    if (step <= config.refresh_after_steps) {
+      EXPECT_GT(solution.report.iterations, 2) << step;
+    } else {
+      EXPECT_LE(solution.report.iterations, 2) << step;
     }
   }
 }

@@ -19,7 +19,10 @@ namespace polyscalpel {
 class BodySystem final : public StepSystem {
  public:
   explicit BodySystem(const PolyhedralMesh& mesh, double step_s = 1.0 / 60, const ElementConfig& element = {})
-      : assembly_(mesh, kMaterial, element, 0), step_s_(step_s), masses_(assembly_.vertexMasses()) {
+      : assembly_(mesh, kMaterial, element, 0),
+        step_s_(step_s),
+        positions_(mesh.restPositions()),
+        masses_(assembly_.vertexMasses()) {
     findActive();
   }
 
@@ -46,7 +49,10 @@ class BodySystem final : public StepSystem {
   std::vector<Hold> holds;  ///< as of contacts
 
   CorotatedBody& body() { return *assembly_.corotatedBody(); }
-  void linearise(const Eigen::Matrix3Xd& positions) { body().linearise(positions, true); }
+  void linearise(const Eigen::Matrix3Xd& positions) {
+    positions_ = positions;
+    body().linearise(positions, true);
+  }
   const Eigen::VectorXd& masses() const { return masses_; }
   std::vector<bool> fixed() const {
     std::vector<bool> fixed(masses_.size(), true);
@@ -62,6 +68,9 @@ class BodySystem final : public StepSystem {
   void assemble(DifferenceMatrix<double>& matrix) override { assembleIn(matrix); }
   void assembleAtRest(DifferenceMatrix<double>& matrix) override {
     body().assembleAtRest(masses_, 1, step_s_ * step_s_, {}, matrix);
+  }
+  void assembleBody(DifferenceMatrix<double>& matrix, std::vector<float>& rotations) override {
+    body().assembleAt(positions_, masses_, 1, step_s_ * step_s_, {}, matrix, rotations);
   }
   void vertexRotations(std::vector<float>& rotations) override { body().vertexRotations(rotations); }
 
@@ -84,9 +93,19 @@ class BodySystem final : public StepSystem {
 
   mutable Assembly assembly_;  // corotatedBody() is not const
   double step_s_;
+  Eigen::Matrix3Xd positions_;  // of the last linearisation
   Eigen::VectorXd masses_;
   std::vector<int> active_;
 };
+
+/// What a cut's new vertices are to solvers.
+inline std::vector<AddedVertex> addedBy(const MeshChange& change) {
+  std::vector<AddedVertex> added;
+  for (const NewVertex& vertex : change.new_vertices)
+    added.push_back(
+        {vertex.vertex.index(), {vertex.parents[0].index(), vertex.parents[1].index()}, vertex.weight});
+  return added;
+}
 
 /// Weight and a little noise: a right-hand side that is smooth for the most part, as those of steps are.
 inline Eigen::Matrix3Xd someLoad(const BodySystem& system, unsigned seed) {

@@ -71,6 +71,11 @@ class CorotatedBody {
   /// The same in the rest shape, whatever the last linearisation is, without those that are `still` then.
   void assembleAtRest(const Eigen::VectorXd& vertex_masses, double mass_scale, double stiffness_scale,
                       const std::vector<char>& still, DifferenceMatrix<double>& matrix);
+  /// The same with the cells' rotations at these positions; rotations: of the vertices then, as
+  /// vertexRotations() gives them.
+  void assembleAt(const Eigen::Ref<const Eigen::Matrix3Xd>& positions, const Eigen::VectorXd& vertex_masses,
+                  double mass_scale, double stiffness_scale, const std::vector<char>& still,
+                  DifferenceMatrix<double>& matrix, std::vector<float>& rotations);
 
   /// Rotation of each vertex that moves, near those of its cells, 9 numbers each column by column.
   void vertexRotations(std::vector<float>& rotations);
@@ -80,6 +85,9 @@ class CorotatedBody {
                     const Eigen::Ref<const Eigen::Matrix3Xd>& values, Eigen::Matrix3Xd& result) const;
 
  private:
+  template <class Run>
+  void runApart(const std::vector<char>& still, const Run& run);
+
   // Cells of equally many vertices and modes, side by side; places of cells are 4 a batch.
   struct Batch {
     int num_vertices = 0, num_modes = 0;

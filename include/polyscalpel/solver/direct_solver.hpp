@@ -30,13 +30,12 @@ struct SolveResult {
 /// A factor L of P A P^T as dense panels, one a supernode: columns that have the same rows.
 struct FactorPanels {
   struct Supernode {
-    int first_column = 0, num_columns = 0;
-    std::vector<int> rows;        ///< ascending; first the columns themselves
-    std::size_t first_value = 0;  ///< of rows.size() x num_columns values, column by column; the part above
-                                  ///< the diagonal is undefined
+    int first_column = 0, num_columns = 0, num_rows = 0;
+    const int* rows = nullptr;  ///< num_rows, ascending; first the columns themselves
+    double* values = nullptr;   ///< num_rows x num_columns, column by column; the part above the diagonal is
+                                ///< undefined
   };
   std::vector<Supernode> supernodes;
-  std::vector<double> values;
   std::vector<int> places;  ///< of each row of L: its dof, 3 a vertex, fixed ones counted
 };
 
@@ -58,6 +57,9 @@ class DirectSolver {
   /// Orders and analyses a pattern. The first one decides between two kinds of orderings for all later ones.
   /// fixed: one flag a vertex. Forgets any factor.
   SolveStatus analyse(const BlockPattern& pattern, const std::vector<bool>& fixed);
+  /// The same with a given order of elimination: all vertices that are not fixed, each once.
+  SolveStatus analyse(const BlockPattern& pattern, const std::vector<bool>& fixed,
+                      const std::vector<int>& order);
 
   /// Factors the matrix on the pattern last analysed. Keeps the matrix, for residuals.
   SolveStatus factorise(const BlockPattern& pattern, const Blocks& blocks);
@@ -69,8 +71,9 @@ class DirectSolver {
   /// Numbers in the panels that factorise() will fill, once the pattern is analysed.
   std::size_t factorSize() const;
 
-  /// A copy of the factor, which must be there.
-  FactorPanels panels() const;
+  /// The factor, which must be there: the solver's own numbers, gone when it factors or analyses again.
+  /// Nothing is to be solved for with them once they have been changed.
+  FactorPanels panels();
 
   /// Whether the last factorise() succeeded and no analyse() followed.
   bool hasFactor() const;

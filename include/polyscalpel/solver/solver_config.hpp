@@ -40,7 +40,7 @@ struct SolverConfig {
   std::optional<double> step_budget_ms;
   /// In [1, 1000000]: so many steps after a cut kFactor takes over a factor of the cut body; until
   /// then the old one serves, with a patch around the slit. At once where the patch would be too large.
-  int refresh_after_steps = 30;
+  int refresh_after_steps = 10;
 };
 
 /// Throws std::invalid_argument with name, value and range.

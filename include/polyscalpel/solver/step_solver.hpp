@@ -31,6 +31,8 @@ class StepSystem {
   virtual void assemble(DifferenceMatrix<double>& matrix) = 0;
   /// The same in the rest shape, without contacts, for all that is movable.
   virtual void assembleAtRest(DifferenceMatrix<double>& matrix) = 0;
+  /// The same as the body lies now. rotations: of each movable vertex then.
+  virtual void assembleBody(DifferenceMatrix<double>& matrix, std::vector<float>& rotations) = 0;
   /// Rotation of each vertex, 9 numbers, column by column.
   virtual void vertexRotations(std::vector<float>& rotations) = 0;
 };

@@ -21,7 +21,8 @@ struct AddedVertex {
 
 /// R A_0^-1 R^T, A_0 the matrix in the rest shape and R the rotation of each vertex: a corotated matrix is
 /// near R A_0 R^T, however far the body has bent, so a handful of iterations is left (60 without R on a beam
-/// that has swung down).
+/// that has swung down). A_0 may as well be that of a shape in which vertices are turned by R_0; R R_0^T then
+/// takes the place of R. After cuts that is better: thin parts turn otherwise than the vertices around them.
 ///
 /// After a cut the factor stays what it was. The space of the uncut body lies in that of the cut one, new
 /// vertices following their parents by P; what the crack adds is solved for exactly in a patch, the vertices
@@ -36,8 +37,9 @@ struct AddedVertex {
 /// J R P, and the patch's own part is taken anew where it is held.
 class TurnedFactor final : public Preconditioner {
  public:
-  /// factor: of a matrix of so many vertices. fixed: one flag for each.
-  TurnedFactor(SingleFactor factor, const std::vector<bool>& fixed);
+  /// factor: of a matrix of so many vertices. fixed: one flag for each. rotations: R_0, 9 numbers each column
+  /// by column; empty: the identity.
+  TurnedFactor(SingleFactor factor, const std::vector<bool>& fixed, std::vector<float> rotations = {});
 
   /// Follows a cut: added vertices in ascending order, and the vertices of all cells that it made or changed.
   void follow(const std::vector<AddedVertex>& added, const std::vector<int>& touched);
@@ -59,6 +61,7 @@ class TurnedFactor final : public Preconditioner {
   template <class Visit>
   void forEachShare(int vertex, const Visit& visit) const;
   SolveStatus factorPatch();
+  void turnCoarse();
   SolveStatus holdCoarse();
   bool isPatchHeld() const;
   double largestOfPatch();
@@ -71,6 +74,9 @@ class TurnedFactor final : public Preconditioner {
   std::vector<int> first_share_;  // of each vertex beyond them, and one more
   std::vector<Share> shares_;     // P
   std::vector<float> coarse_;     // 3 a vertex of the factor
+  std::vector<float> base_;       // R_0, of added vertices their nearer parent's; empty: the identity
+  std::vector<float> turns_;      // R R_0^T; unused without R_0
+  const float* coarse_turns_ = nullptr;
 
   std::vector<int> patch_;  // ascending
   bool is_patch_factored_ = true;
