@@ -22,7 +22,9 @@ constexpr double kMostCost = 1e30;
 /// A sub-tet below this part of the largest counts as flat or folded.
 constexpr double kSmallestWorth = 1e-6;
 
-bool isPlanar(const Eigen::Matrix3Xd& points) {
+/// Whether one face can bear the loop: the loop is planar and convex. A fan around the mean of its corners
+/// may bear a bay as well, but not those of the two parts in which a later cut leaves it.
+bool isPlanarAndConvex(const Eigen::Matrix3Xd& points) {
   const Vector3d mean = points.rowwise().mean();
   Vector3d area = Vector3d::Zero();
   const Eigen::Index n = points.cols();
@@ -31,10 +33,19 @@ bool isPlanar(const Eigen::Matrix3Xd& points) {
   }
   if (area.isZero(0)) return false;
   const Eigen::Matrix3Xd arms = points.colwise() - mean;
-  const double bend = (area.normalized().transpose() * arms).cwiseAbs().maxCoeff();
+  const Vector3d normal = area.normalized();
+  const double bend = (normal.transpose() * arms).cwiseAbs().maxCoeff();
   const double extent = arms.colwise().norm().maxCoeff();
   const double rounding = kRoundings * std::numeric_limits<double>::epsilon() * points.cwiseAbs().maxCoeff();
-  return bend <= std::max(kPlanar * extent, rounding);
+  const double limit = std::max(kPlanar * extent, rounding);
+  if (bend > limit) return false;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vector3d here = arms.col((i + 1) % n);
+    const Vector3d before = here - arms.col(i), after = arms.col((i + 2) % n) - here;
+    // How far the corner lies behind the line of its neighbours, times their distance.
+    if (normal.dot(before.cross(after)) < -limit * (before + after).norm()) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -46,7 +57,7 @@ std::vector<std::vector<VertexId>> makeCapFacets(const PolyhedralMesh& mesh,
   const int n = static_cast<int>(cap_loop.size());
   Eigen::Matrix3Xd points(3, n);
   for (int i = 0; i < n; ++i) points.col(i) = mesh.restPosition(cap_loop[i]);
-  if (n == 3 || isPlanar(points)) return {cap_loop};
+  if (n == 3 || isPlanarAndConvex(points)) return {cap_loop};
 
   // Sixfold volume of the smaller sub-tet on a triangle, as part of the largest that may be.
   const double largest = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).squaredNorm() *
