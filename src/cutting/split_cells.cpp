@@ -169,9 +169,9 @@ class Splitter {
     auto components = findComponents(mesh(), crossings_, cell);
     while (absorbInLine(cell, components)) components = findComponents(mesh(), crossings_, cell);
     bool is_split = splitOff(cell, components, parts);
-    while (
-        !is_split && components.size() > 1 &&
-        (absorbHanging(cell, components) || absorbFlat(cell, components) || absorbThin(cell, components))) {
+    while (!is_split && components.size() > 1 &&
+           (absorbBetween(cell) || absorbHanging(cell, components) || absorbFlat(cell, components) ||
+            absorbThin(cell, components))) {
       components = findComponents(mesh(), crossings_, cell);
       is_split = splitOff(cell, components, parts);
     }
@@ -395,6 +395,40 @@ class Splitter {
       return true;
     }
     return false;
+  }
+
+  /// Lets vertices join the cut that lie on a face's side between two corners of the cut, in line with them:
+  /// the side lies in the slit, as it would if they were not there, and a chord would cut nothing off the
+  /// face. Returns whether there were any.
+  bool absorbBetween(CellId cell) {
+    for (const FaceId id : mesh().cell(cell).faces) {
+      const FaceLoop& loop = mesh().face(id).loop;
+      const std::size_t n = loop.size();
+      for (std::size_t start = 0; start < n; ++start) {
+        if (!crossings_.isSnapped(cell, loop[start])) continue;
+        std::size_t end = start + 1;
+        while (end < start + n && !crossings_.isSnapped(cell, loop[end % n])) ++end;
+        if (end == start + 1 || end == start + n) continue;
+        const VertexId from = loop[start], to = loop[end % n];
+        std::vector<VertexId> between;
+        for (std::size_t i = start + 1; i < end; ++i) between.push_back(loop[i % n]);
+        if (!canJoin(between) || !areInLine(from, between, to)) continue;
+        int side = crossings_.sideOfNeighbour(from, between.front());
+        if (side == 0) side = crossings_.sideOfNeighbour(to, between.back());
+        for (const VertexId v : between) crossings_.snap(mesh(), v, side, cell);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// Whether all vertices lie on the straight line between two others.
+  bool areInLine(VertexId from, const std::vector<VertexId>& between, VertexId to) const {
+    const Eigen::Vector3d start = mesh().restPosition(from);
+    const Eigen::Vector3d along = (mesh().restPosition(to) - start).normalized();
+    return std::all_of(between.begin(), between.end(), [&](VertexId v) {
+      return along.cross(mesh().restPosition(v) - start).norm() <= kInLine * mesh().localSize(v);
+    });
   }
 
   /// Lets the first component join the cut that consists of vertices hanging in an edge between two corners
