@@ -24,7 +24,9 @@ namespace polyscalpel {
 namespace {
 
 constexpr std::size_t kMostAbsorbed = 4;  ///< vertices of a thin component that may join the cut
-constexpr double kAbsorbDistance = 2;     ///< how far they may be from it, in snap distances
+/// How far they may be from it, in snap distances: what lies further off than it may be snapped joins the cut
+/// only where a division does not help either.
+constexpr double kAbsorbDistances[] = {1, 2};
 
 /// Vertices that an edge has got are in line with its ends within this times localSize: rounding.
 constexpr double kInLine = 1e-9;
@@ -168,19 +170,21 @@ class Splitter {
   Outcome splitAsCrossed(CellId cell, std::vector<CellId>& parts) {
     auto components = findComponents(mesh(), crossings_, cell);
     while (absorbInLine(cell, components)) components = findComponents(mesh(), crossings_, cell);
-    bool is_split = splitOff(cell, components, parts);
-    while (!is_split && components.size() > 1 &&
-           (absorbBetween(cell) || absorbHanging(cell, components) || absorbFlat(cell, components) ||
-            absorbThin(cell, components))) {
-      components = findComponents(mesh(), crossings_, cell);
-      is_split = splitOff(cell, components, parts);
+    if (splitOff(cell, components, parts)) return Outcome::kSplit;
+    for (const double reach : kAbsorbDistances) {
+      while (components.size() > 1 &&
+             (absorbBetween(cell) || absorbHanging(cell, components) || absorbFlat(cell, components, reach) ||
+              absorbThin(cell, components, reach))) {
+        components = findComponents(mesh(), crossings_, cell);
+        if (splitOff(cell, components, parts)) return Outcome::kSplit;
+      }
+      if (components.size() < 2) {
+        crossings_.settle(cell);
+        return Outcome::kConnected;
+      }
+      if (divideAcross(cell, components)) return Outcome::kSplit;
     }
-    if (is_split) return Outcome::kSplit;
-    if (components.size() < 2) {
-      crossings_.settle(cell);
-      return Outcome::kConnected;
-    }
-    return divideAcross(cell, components) ? Outcome::kSplit : Outcome::kLeftWhole;
+    return Outcome::kLeftWhole;
   }
 
   bool splitOff(CellId cell, const std::vector<std::vector<VertexId>>& components,
@@ -460,7 +464,7 @@ class Splitter {
 
   /// Lets the first component join the cut that lies flat on it: all its vertices within the absorbing
   /// distance of the mean plane of its border. Returns whether there was one.
-  bool absorbFlat(CellId cell, const std::vector<std::vector<VertexId>>& components) {
+  bool absorbFlat(CellId cell, const std::vector<std::vector<VertexId>>& components, double reach) {
     for (const auto& component : components) {
       if (!canJoin(component)) continue;
       const std::size_t savepoint = editor_.savepoint();
@@ -478,7 +482,7 @@ class Splitter {
       const Eigen::Vector3d normal = axes.eigenvectors().col(0);
       const bool is_flat = std::all_of(component.begin(), component.end(), [&](VertexId v) {
         return std::abs(normal.dot(mesh().restPosition(v) - middle)) <
-               kAbsorbDistance * snap_tolerance_ * mesh().localSize(v);
+               reach * snap_tolerance_ * mesh().localSize(v);
       });
       if (!is_flat) continue;
       for (const VertexId v : component) crossings_.snap(mesh(), v, side, cell);
@@ -488,13 +492,13 @@ class Splitter {
   }
 
   /// Lets the first thin component join the cut. Returns whether there was one.
-  bool absorbThin(CellId cell, const std::vector<std::vector<VertexId>>& components) {
+  bool absorbThin(CellId cell, const std::vector<std::vector<VertexId>>& components, double reach) {
     for (const auto& component : components) {
       if (!canJoin(component)) continue;
       if (component.size() > kMostAbsorbed) continue;
       std::vector<std::pair<VertexId, int>> sides;
       for (const VertexId v : component) {
-        const std::optional<int> side = sideIfThin(cell, v);
+        const std::optional<int> side = sideIfThin(cell, v, reach);
         if (side) sides.emplace_back(v, *side);
       }
       if (sides.size() != component.size()) continue;
@@ -505,8 +509,8 @@ class Splitter {
   }
 
   /// Side of the cut on which a vertex lies that is no further from it than may be absorbed.
-  std::optional<int> sideIfThin(CellId cell, VertexId v) const {
-    const double reach = kAbsorbDistance * snap_tolerance_ * mesh().localSize(v);
+  std::optional<int> sideIfThin(CellId cell, VertexId v, double distance) const {
+    const double reach = distance * snap_tolerance_ * mesh().localSize(v);
     std::optional<int> side;
     for (const auto& [a, b] : mesh().edges(cell)) {
       if (a != v && b != v) continue;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -52,6 +53,32 @@ TEST(SplitCells, AVertexBetweenTwoCornersOfTheCutInOneEdgeJoinsIt) {
     EXPECT_EQ(result.cells_left_whole, 0) << off;
     EXPECT_EQ(result.pieces_after, 2) << off;
     EXPECT_TRUE(checkMesh(mesh).empty()) << off;
+  }
+}
+
+TEST(SplitCells, WhatRandomCutsPassComesApart) {
+  // Bodies in which caps had facets in the plane of a part's own faces, and in which parts up to twice as
+  // thick as the snap distance joined the cut although a division would have had them come apart.
+  const std::vector<TortureSubject> subjects = tortureSubjects(TortureSize::kSmall);
+  struct Body {
+    std::string name;
+    unsigned seed;
+    int cuts;
+  };
+  for (const Body& body : std::vector<Body>{
+           {"block", 3, 25}, {"block", 13, 25}, {"block", 31, 17}, {"block", 37, 18}, {"ball", 6, 17}}) {
+    for (const TortureSubject& subject : subjects) {
+      if (subject.name != body.name) continue;
+      TorturePlan plan;
+      plan.first_seed = body.seed;
+      plan.cuts_per_body = body.cuts;
+      std::vector<TortureFailure> failures;
+      for (const TortureRow& row : torture(subject, plan, failures)) {
+        EXPECT_EQ(row.left_whole, 0) << body.name << ", seed " << body.seed << ": " << row.kind;
+        EXPECT_EQ(row.pieces_missing, 0) << body.name << ", seed " << body.seed << ": " << row.kind;
+        EXPECT_EQ(row.invalid, 0) << body.name << ", seed " << body.seed << ": " << row.kind;
+      }
+    }
   }
 }
 
