@@ -46,23 +46,34 @@ bool CellSplit::leavesNeighboursSound() const {
 }
 
 bool CellSplit::divide(int cut, const BorderSides* sides) {
+  if (!leavesNeighboursSound()) return false;
   std::vector<int> sides_of_loop;
   if (sides) {
     for (const VertexId v : cap_loop_) sides_of_loop.push_back(sides->at(v));
   }
-  const auto facets =
-      cap_loop_.size() == 3
-          ? std::vector<std::vector<VertexId>>{cap_loop_}  // needs no apexes
-          : makeCapFacets(mesh(), cap_loop_, vertexMeanOfPart(true), vertexMeanOfPart(false), sides_of_loop);
-  const auto split = editor_.splitCell(cell_, first_faces_, facets, cut);
-  first = split.first;
-  second = split.second;
-  cap = split.cap;
-  touched_.insert(first);
-  touched_.insert(second);
-  touched_.erase(cell_);
-  if (sides && joinsSides(*sides)) return false;
-  return std::all_of(touched_.begin(), touched_.end(), [&](CellId id) { return isSound(mesh(), id); });
+  const std::size_t savepoint = editor_.savepoint();
+  std::vector<std::vector<VertexId>> facets;
+  for (const Apexes apexes : {Apexes::kVertexMeans, Apexes::kStarCentres}) {
+    const auto former = std::move(facets);
+    facets = makeFacets(apexes, sides_of_loop, cut == 0 && !sides ? Bays::kKept : Bays::kDivided);
+    if (facets == former) break;
+    editor_.rollBackTo(savepoint);
+    const auto split = editor_.splitCell(cell_, first_faces_, facets, cut);
+    first = split.first;
+    second = split.second;
+    cap = split.cap;
+    if (isSound(mesh(), first) && isSound(mesh(), second) && !(sides && joinsSides(*sides))) return true;
+  }
+  return false;
+}
+
+std::vector<std::vector<VertexId>> CellSplit::makeFacets(Apexes apexes, const std::vector<int>& sides_of_loop,
+                                                         Bays bays) const {
+  if (cap_loop_.size() == 3) return {cap_loop_};  // needs no apexes
+  const auto apexOf = [&](bool is_first) {
+    return apexes == Apexes::kVertexMeans ? vertexMeanOfPart(is_first) : starCentreOfPart(is_first);
+  };
+  return makeCapFacets(mesh(), cap_loop_, apexOf(true), apexOf(false), sides_of_loop, bays);
 }
 
 bool CellSplit::splitCrossedEdges() {
@@ -189,6 +200,30 @@ Eigen::Vector3d CellSplit::vertexMeanOfPart(bool is_first) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const VertexId v : vertices) sum += mesh().restPosition(v);
   return sum / static_cast<double>(vertices.size());
+}
+
+/// Star centre of one part as a fan over its border would close it.
+Eigen::Vector3d CellSplit::starCentreOfPart(bool is_first) const {
+  std::vector<Eigen::Matrix3d> triangles;
+  for (const FaceId id : mesh().cell(cell_).faces) {
+    const bool is_in_first = std::find(first_faces_.begin(), first_faces_.end(), id) != first_faces_.end();
+    if (is_in_first != is_first) continue;
+    const bool is_outward = mesh().face(id).cells[0] == cell_;
+    visitTriangles(mesh().face(id), mesh().restPositions(), [&](const Eigen::Matrix3d& corners) {
+      triangles.push_back(corners);
+      if (!is_outward) triangles.back().col(1).swap(triangles.back().col(2));
+      return true;
+    });
+  }
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const VertexId v : cap_loop_) middle += mesh().restPosition(v) / static_cast<double>(cap_loop_.size());
+  for (std::size_t i = 0; i < cap_loop_.size(); ++i) {
+    const Eigen::Vector3d from = mesh().restPosition(cap_loop_[i]);
+    const Eigen::Vector3d to = mesh().restPosition(cap_loop_[(i + 1) % cap_loop_.size()]);
+    triangles.emplace_back();
+    triangles.back() << middle, (is_first ? from : to), (is_first ? to : from);
+  }
+  return starCentre(triangles, vertexMeanOfPart(is_first));
 }
 
 /// Whether an edge of the cap joins vertices of opposite sides.

@@ -24,7 +24,9 @@ namespace polyscalpel {
 namespace {
 
 constexpr std::size_t kMostAbsorbed = 4;  ///< vertices of a thin component that may join the cut
-constexpr double kAbsorbDistance = 2;     ///< how far they may be from it, in snap distances
+/// How far they may be from it, in snap distances: what lies further off than it may be snapped joins the cut
+/// only where a division does not help either.
+constexpr double kAbsorbDistances[] = {1, 2};
 
 /// Vertices that an edge has got are in line with its ends within this times localSize: rounding.
 constexpr double kInLine = 1e-9;
@@ -168,19 +170,21 @@ class Splitter {
   Outcome splitAsCrossed(CellId cell, std::vector<CellId>& parts) {
     auto components = findComponents(mesh(), crossings_, cell);
     while (absorbInLine(cell, components)) components = findComponents(mesh(), crossings_, cell);
-    bool is_split = splitOff(cell, components, parts);
-    while (
-        !is_split && components.size() > 1 &&
-        (absorbHanging(cell, components) || absorbFlat(cell, components) || absorbThin(cell, components))) {
-      components = findComponents(mesh(), crossings_, cell);
-      is_split = splitOff(cell, components, parts);
+    if (splitOff(cell, components, parts)) return Outcome::kSplit;
+    for (const double reach : kAbsorbDistances) {
+      while (components.size() > 1 &&
+             (absorbBetween(cell) || absorbHanging(cell, components) || absorbFlat(cell, components, reach) ||
+              absorbThin(cell, components, reach))) {
+        components = findComponents(mesh(), crossings_, cell);
+        if (splitOff(cell, components, parts)) return Outcome::kSplit;
+      }
+      if (components.size() < 2) {
+        crossings_.settle(cell);
+        return Outcome::kConnected;
+      }
+      if (divideAcross(cell, components)) return Outcome::kSplit;
     }
-    if (is_split) return Outcome::kSplit;
-    if (components.size() < 2) {
-      crossings_.settle(cell);
-      return Outcome::kConnected;
-    }
-    return divideAcross(cell, components) ? Outcome::kSplit : Outcome::kLeftWhole;
+    return Outcome::kLeftWhole;
   }
 
   bool splitOff(CellId cell, const std::vector<std::vector<VertexId>>& components,
@@ -397,6 +401,40 @@ class Splitter {
     return false;
   }
 
+  /// Lets vertices join the cut that lie on a face's side between two corners of the cut, in line with them:
+  /// the side lies in the slit, as it would if they were not there, and a chord would cut nothing off the
+  /// face. Returns whether there were any.
+  bool absorbBetween(CellId cell) {
+    for (const FaceId id : mesh().cell(cell).faces) {
+      const FaceLoop& loop = mesh().face(id).loop;
+      const std::size_t n = loop.size();
+      for (std::size_t start = 0; start < n; ++start) {
+        if (!crossings_.isSnapped(cell, loop[start])) continue;
+        std::size_t end = start + 1;
+        while (end < start + n && !crossings_.isSnapped(cell, loop[end % n])) ++end;
+        if (end == start + 1 || end == start + n) continue;
+        const VertexId from = loop[start], to = loop[end % n];
+        std::vector<VertexId> between;
+        for (std::size_t i = start + 1; i < end; ++i) between.push_back(loop[i % n]);
+        if (!canJoin(between) || !areInLine(from, between, to)) continue;
+        int side = crossings_.sideOfNeighbour(from, between.front());
+        if (side == 0) side = crossings_.sideOfNeighbour(to, between.back());
+        for (const VertexId v : between) crossings_.snap(mesh(), v, side, cell);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// Whether all vertices lie on the straight line between two others.
+  bool areInLine(VertexId from, const std::vector<VertexId>& between, VertexId to) const {
+    const Eigen::Vector3d start = mesh().restPosition(from);
+    const Eigen::Vector3d along = (mesh().restPosition(to) - start).normalized();
+    return std::all_of(between.begin(), between.end(), [&](VertexId v) {
+      return along.cross(mesh().restPosition(v) - start).norm() <= kInLine * mesh().localSize(v);
+    });
+  }
+
   /// Lets the first component join the cut that consists of vertices hanging in an edge between two corners
   /// of the cut: they lie on it, though no edge of theirs crosses it. Returns whether there was one.
   bool absorbHanging(CellId cell, const std::vector<std::vector<VertexId>>& components) {
@@ -426,7 +464,7 @@ class Splitter {
 
   /// Lets the first component join the cut that lies flat on it: all its vertices within the absorbing
   /// distance of the mean plane of its border. Returns whether there was one.
-  bool absorbFlat(CellId cell, const std::vector<std::vector<VertexId>>& components) {
+  bool absorbFlat(CellId cell, const std::vector<std::vector<VertexId>>& components, double reach) {
     for (const auto& component : components) {
       if (!canJoin(component)) continue;
       const std::size_t savepoint = editor_.savepoint();
@@ -444,7 +482,7 @@ class Splitter {
       const Eigen::Vector3d normal = axes.eigenvectors().col(0);
       const bool is_flat = std::all_of(component.begin(), component.end(), [&](VertexId v) {
         return std::abs(normal.dot(mesh().restPosition(v) - middle)) <
-               kAbsorbDistance * snap_tolerance_ * mesh().localSize(v);
+               reach * snap_tolerance_ * mesh().localSize(v);
       });
       if (!is_flat) continue;
       for (const VertexId v : component) crossings_.snap(mesh(), v, side, cell);
@@ -454,13 +492,13 @@ class Splitter {
   }
 
   /// Lets the first thin component join the cut. Returns whether there was one.
-  bool absorbThin(CellId cell, const std::vector<std::vector<VertexId>>& components) {
+  bool absorbThin(CellId cell, const std::vector<std::vector<VertexId>>& components, double reach) {
     for (const auto& component : components) {
       if (!canJoin(component)) continue;
       if (component.size() > kMostAbsorbed) continue;
       std::vector<std::pair<VertexId, int>> sides;
       for (const VertexId v : component) {
-        const std::optional<int> side = sideIfThin(cell, v);
+        const std::optional<int> side = sideIfThin(cell, v, reach);
         if (side) sides.emplace_back(v, *side);
       }
       if (sides.size() != component.size()) continue;
@@ -471,8 +509,8 @@ class Splitter {
   }
 
   /// Side of the cut on which a vertex lies that is no further from it than may be absorbed.
-  std::optional<int> sideIfThin(CellId cell, VertexId v) const {
-    const double reach = kAbsorbDistance * snap_tolerance_ * mesh().localSize(v);
+  std::optional<int> sideIfThin(CellId cell, VertexId v, double distance) const {
+    const double reach = distance * snap_tolerance_ * mesh().localSize(v);
     std::optional<int> side;
     for (const auto& [a, b] : mesh().edges(cell)) {
       if (a != v && b != v) continue;

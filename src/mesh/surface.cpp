@@ -41,18 +41,14 @@ class KernelSearch {
  public:
   KernelSearch(const CellSurface& surface, const Eigen::Vector3d& start) : start_(start) {
     planes_.reserve(surface.triangles.size());
-    double area = 0, volume = 0;
-    for (const auto& [a, b, c] : surface.triangles) {
-      const Eigen::Vector3d corner = surface.points.col(a);
-      const Eigen::Vector3d normal =
-          Eigen::Vector3d(surface.points.col(b) - corner).cross(surface.points.col(c) - corner);
-      const double norm = normal.norm();
-      if (norm == 0) continue;  // a triangle without area sees nothing
-      area += norm / 2;
-      volume += normal.dot(corner - start) / 6;
-      planes_.push_back({corner, normal / norm});
-    }
-    radius_ = area > 0 ? 3 * volume / area : 0;
+    for (const auto& [a, b, c] : surface.triangles)
+      add(surface.points.col(a), surface.points.col(b), surface.points.col(c));
+    radius_ = area_ > 0 ? 3 * volume_ / area_ : 0;
+  }
+  KernelSearch(const std::vector<Eigen::Matrix3d>& triangles, const Eigen::Vector3d& start) : start_(start) {
+    planes_.reserve(triangles.size());
+    for (const Eigen::Matrix3d& corners : triangles) add(corners.col(0), corners.col(1), corners.col(2));
+    radius_ = area_ > 0 ? 3 * volume_ / area_ : 0;
   }
 
   bool isStartWellInside() const {
@@ -89,6 +85,15 @@ class KernelSearch {
     Eigen::Vector3d point, normal;
   };
 
+  void add(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+    const Eigen::Vector3d normal = (b - a).cross(c - a);
+    const double norm = normal.norm();
+    if (norm == 0) return;  // a triangle without area sees nothing
+    area_ += norm / 2;
+    volume_ += normal.dot(a - start_) / 6;
+    planes_.push_back({a, normal / norm});
+  }
+
   /// The plane that the point is furthest outside of, or least inside, and how far outside.
   std::pair<std::size_t, double> furthestOut(const Eigen::Vector3d& point) const {
     std::pair<std::size_t, double> furthest{0, -kInfinity};
@@ -101,7 +106,7 @@ class KernelSearch {
 
   Eigen::Vector3d start_;
   boost::container::small_vector<Plane, 32> planes_;
-  double radius_ = 0;
+  double area_ = 0, volume_ = 0, radius_ = 0;
 };
 
 }  // namespace
@@ -227,6 +232,11 @@ Eigen::Vector3d starCentre(const CellSurface& surface) {
   if (surface.isTetrahedron()) return mean;
   const KernelSearch search(surface, mean);
   return search.isStartWellInside() ? mean : search.run();
+}
+
+Eigen::Vector3d starCentre(const std::vector<Eigen::Matrix3d>& triangles, const Eigen::Vector3d& start) {
+  const KernelSearch search(triangles, start);
+  return search.isStartWellInside() ? start : search.run();
 }
 
 double smallestSubTetVolume(const CellSurface& surface) {

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "polyscalpel/cutting/border_sides.hpp"
+#include "polyscalpel/cutting/cap_facets.hpp"
 #include "polyscalpel/cutting/crossings.hpp"
 #include "polyscalpel/mesh/mesh_editing.hpp"
 
@@ -59,7 +60,12 @@ class CellSplit {
   bool splitFaces();
   bool hasFlap(const FaceLoop& loop, std::size_t start, std::size_t end) const;
   bool findCap();
+  /// From where the two parts are to see the cap.
+  enum class Apexes { kVertexMeans, kStarCentres };
+  std::vector<std::vector<VertexId>> makeFacets(Apexes apexes, const std::vector<int>& sides_of_loop,
+                                                Bays bays) const;
   Eigen::Vector3d vertexMeanOfPart(bool is_first) const;
+  Eigen::Vector3d starCentreOfPart(bool is_first) const;
   bool joinsSides(const BorderSides& sides) const;
 
   MeshEditor& editor_;

@@ -23,8 +23,10 @@ enum class Slit { kOpen, kClosed };
 /// faces that lie in the slit, and gives the separated sides vertices of their own. Each cell is split by
 /// itself: the smaller component of its vertices gets the faces it reaches, the border over these faces is
 /// the cap. A split that would make a cell (or a touched neighbour) thinner than kSmallestRelativeSubTet is
-/// undone; then a thin component, at most 4 vertices within 2 snap_tolerance h of the cut, joins the cut;
-/// then the cell is left whole and counted.
+/// undone; then vertices that lie in an edge between two corners of the cut join it, then a thin component,
+/// at most 4 vertices within snap_tolerance h of the cut; then the cell is divided across the cut and its
+/// parts are split; then a component within twice that distance joins the cut; then the cell is left whole
+/// and counted.
 SplitCounts splitCells(MeshEditor& editor, Crossings& crossings, const std::function<bool(CellId)>& is_ready,
                        double snap_tolerance, int cut, Slit slit = Slit::kOpen);
 

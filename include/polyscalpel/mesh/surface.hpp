@@ -76,6 +76,10 @@ double volume(const CellSurface& surface);
 /// and Schoenberg 1954), which for a cell that is not star-shaped sees only part of the surface.
 Eigen::Vector3d starCentre(const CellSurface& surface);
 
+/// The same of any closed surface of outward triangles, one a matrix, corners in columns [m]; start: where to
+/// look first, and the result where it lies well inside.
+Eigen::Vector3d starCentre(const std::vector<Eigen::Matrix3d>& triangles, const Eigen::Vector3d& start);
+
 /// Smallest volume of the tetrahedra (starCentre, surface triangle) [m^3]; positive for a star-shaped cell.
 double smallestSubTetVolume(const CellSurface& surface);
 
