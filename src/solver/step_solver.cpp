@@ -30,6 +30,16 @@ constexpr double kLargestPatch = 0.35;
 /// Contacts so stiff that single precision does not hold them in the factor: what takes more iterations than
 /// this costs more than factoring the matrix does.
 constexpr int kMostForContacts = 30;
+/// Iterations with a factor for each digit of the solution, in single and in double precision. A direct
+/// factor costs less than more of them.
+constexpr double kMostADigit = 12, kMostADigitInDouble = 5;
+/// A patch that was factored in an earlier step is factored anew after so many iterations: its parts have
+/// turned away from each other. With one of slivers that are too much for single precision, more are not
+/// worth it.
+constexpr int kMostWithWornPatch = 25;
+/// Where steps with a patch take more iterations than this, as beside a slit that opens wide, the next factor
+/// is taken over after as many steps as one takes to be made.
+constexpr int kManyWithPatch = 12, kSoonestFactor = 4;
 /// Where aggregates take more iterations than this, by slivers or loose pieces, a factor is tried.
 constexpr int kManyIterations = 70;
 /// A finer tolerance is not for single precision: rounding x alone leaves more.
@@ -88,6 +98,7 @@ struct StepSolver::Impl {
   bool is_cut = false;    // since the last solve
   bool is_stale = false;  // the factor is of the body before a cut, or there is none
   int stale_steps = 0;
+  int last_iterations = 0;
   bool has_stiff_contacts = false;  // from the step on that found it, until nothing touches
   Ban of_single, of_iterations;
   int many_iterations_since = 0;        // steps in a row
@@ -246,7 +257,8 @@ void StepSolver::Impl::refresh(StepSystem& system) {
     next_factor = std::async(std::launch::async, [rows = system.pattern(), matrix = body_matrix,
                                                   fixed = fixed] { return makeFactor(rows, matrix, fixed); });
   }
-  if (stale_steps > config.refresh_after_steps) takeNextFactor();
+  const bool is_hard = last_iterations > kManyWithPatch && stale_steps > kSoonestFactor;
+  if (is_hard || stale_steps > config.refresh_after_steps) takeNextFactor();
   if (!factor) prepareAggregates(system);
 }
 
@@ -446,16 +458,42 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
     limits.deadline = step_start + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                                        std::chrono::duration<double, std::milli>(*config.step_budget_ms));
   }
-  const IterationResult done = lane.iteration.solve(system.pattern(), lane.matrix, active, lane.b, chosen,
-                                                    limits, config.threads, lane.x);
+  const auto go = [&] {
+    const IterationResult done = lane.iteration.solve(system.pattern(), lane.matrix, active, lane.b, chosen,
+                                                      limits, config.threads, lane.x);
+    report.iterations += done.iterations;
+    return done;
+  };
+  const auto hasFailed = [&](const IterationResult& done) {
+    return done.end == IterationResult::End::kIterations || done.end == IterationResult::End::kBreakdown ||
+           !lane.x.allFinite();
+  };
+  if (kind == SolverKind::kFactor) {
+    const double digits = -std::log10(config.error_target ? *config.error_target : config.tolerance);
+    const double most =
+        std::max(digits, 1.0) * (std::is_same_v<Scalar, double> ? kMostADigitInDouble : kMostADigit);
+    limits.max_iterations = std::min(limits.max_iterations, static_cast<int>(std::ceil(most)));
+  }
+  if (kind == SolverKind::kFactor && factor->hasInexactPatch())
+    limits.max_iterations = std::min(limits.max_iterations, kMostWithWornPatch);
+  const int most_iterations = limits.max_iterations;
+  const bool has_old_patch = kind == SolverKind::kFactor && factor->hasOldPatch();
+  if (has_old_patch) limits.max_iterations = std::min(most_iterations, kMostWithWornPatch);
+  IterationResult done = go();
+  if (has_old_patch && hasFailed(done)) {
+    factor->renewPatch();
+    result.status = update(system, lane, chosen);
+    if (result.status != SolveStatus::kSolved) return false;
+    if (!lane.x.allFinite()) startFromEarlier(system, lane);
+    limits.max_iterations = most_iterations;
+    done = go();
+  }
   report.is_single = std::is_same_v<Scalar, float>;
-  report.iterations += done.iterations;
   report.estimated_error = done.estimated_error;
   report.budget_ended = report.budget_ended || done.end == IterationResult::End::kDeadline;
   result.relative_residual = done.relative_residual;
   has_stiff_contacts = is_touched && done.end == IterationResult::End::kIterations;
-  if (done.end == IterationResult::End::kIterations || done.end == IterationResult::End::kBreakdown ||
-      !lane.x.allFinite()) {
+  if (hasFailed(done)) {
     result.status = SolveStatus::kInaccurate;
     return false;
   }
@@ -584,6 +622,7 @@ SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, boo
       report.reason = "conjugate gradients failed some steps ago";
     } else if (s.iterateOrGiveUp(system, b, step_start, x, report, result)) {
       s.noteIterations(report);
+      s.last_iterations = report.iterations;
       return result;
     } else {
       report.reason = s.has_stiff_contacts ? "contacts are too many or too stiff to iterate with"

@@ -75,6 +75,7 @@ SolveStatus TurnedFactor::update(const RowPattern& pattern, const DifferenceMatr
   const bool is_held = isPatchHeld();
   if (is_held || was_patch_held_) is_patch_factored_ = false;
   was_patch_held_ = is_held;
+  is_patch_old_ = is_patch_factored_;
   return is_patch_factored_ ? SolveStatus::kSolved : factorPatch();
 }
 

@@ -46,6 +46,12 @@ class TurnedFactor final : public Preconditioner {
   /// Vertices that follow() has been told of, and those that the factor is of.
   int patchSize() const { return static_cast<int>(patch_.size()); }
   int numVertices() const { return num_vertices_; }
+  /// Whether there is a patch that another update() than the last one has factored.
+  bool hasOldPatch() const { return !patch_active_.empty() && is_patch_old_; }
+  /// Whether the last patch is too much for single precision.
+  bool hasInexactPatch() const { return !patch_active_.empty() && beside_.empty(); }
+  /// The next update() factors the patch anew.
+  void renewPatch() { is_patch_factored_ = false; }
 
   /// rotations: 9 a vertex, column by column; active: ascending. All arguments must live on. The first one
   /// after a cut factors the patch. A status other than kSolved: not to be used with this matrix.
@@ -80,6 +86,7 @@ class TurnedFactor final : public Preconditioner {
 
   std::vector<int> patch_;  // ascending
   bool is_patch_factored_ = true;
+  bool is_patch_old_ = false;
   bool was_patch_held_ = false;  // when it was factored
   SingleFactor patch_factor_;
   std::vector<int> patch_active_;       // of these, those in its factor
