@@ -4,18 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <future>
 #include <optional>
 #include <utility>
 
 #include <Eigen/Cholesky>
 
+#include "factor_maker.hpp"
 #include "free_parts.hpp"
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/solver/aggregates.hpp"
 #include "polyscalpel/solver/block_jacobi.hpp"
 #include "polyscalpel/solver/conjugate_gradients.hpp"
-#include "polyscalpel/solver/elimination_order.hpp"
 
 namespace polyscalpel {
 
@@ -30,38 +29,18 @@ constexpr double kLargestPatch = 0.35;
 /// Contacts so stiff that single precision does not hold them in the factor: what takes more iterations than
 /// this costs more than factoring the matrix does.
 constexpr int kMostForContacts = 30;
-/// Iterations with a factor for each digit of the solution, in single and in double precision. A direct
-/// factor costs less than more of them.
-constexpr double kMostADigit = 12, kMostADigitInDouble = 5;
-/// A patch that was factored in an earlier step is factored anew after so many iterations: its parts have
-/// turned away from each other. With one of slivers that are too much for single precision, more are not
-/// worth it.
-constexpr int kMostWithWornPatch = 25;
-/// Where steps with a patch take more iterations than this, as beside a slit that opens wide, the next factor
-/// is taken over after as many steps as one takes to be made.
+/// With a patch, so many iterations for each digit of the solution cost more than to factor it anew, if cells
+/// have turned since, or the whole body.
+constexpr double kMostADigitWithPatch = 6;
+/// Where steps with a patch take more iterations than this, as beside a slit that opens wide, or the patch is
+/// half as large as it may be, the next factor is taken over after as many steps as one takes to be made.
 constexpr int kManyWithPatch = 12, kSoonestFactor = 4;
 /// Where aggregates take more iterations than this, by slivers or loose pieces, a factor is tried.
 constexpr int kManyIterations = 70;
 /// A finer tolerance is not for single precision: rounding x alone leaves more.
 constexpr double kSingleTolerance = 1e-5;
 
-using Vectors = std::deque<Eigen::MatrixXd>;
-
-struct MadeFactor {
-  SolveStatus status = SolveStatus::kSolved;
-  SingleFactor factor;
-};
-
-MadeFactor makeFactor(const RowPattern& rows, const DifferenceMatrix<double>& matrix,
-                      const std::vector<bool>& fixed, std::size_t most_values = SingleFactor::kAnySize,
-                      const std::vector<int>& order = {}) {
-  const BlockPattern pattern = toBlockPattern(rows);
-  Blocks blocks;
-  convert(rows, matrix, pattern, blocks);
-  MadeFactor made;
-  made.status = made.factor.factorise(pattern, blocks, fixed, most_values, order);
-  return made;
-}
+using Clock = std::chrono::steady_clock;
 
 /// What failed is not tried again for some steps, twice as many each time.
 class Ban {
@@ -112,14 +91,7 @@ struct StepSolver::Impl {
   DifferenceMatrix<double> body_matrix;  // of all that is movable, without contacts
   std::vector<float> body_rotations;     // of the vertices in it; empty: it is of the rest shape
   std::optional<TurnedFactor> factor;
-  std::vector<int> order;  // of elimination, of the last factor
-  std::vector<AddedVertex> added_since_order;
-  // The factor under way, of a body as it was, and what has been cut since.
-  std::future<MadeFactor> next_factor;
-  std::vector<bool> next_fixed;
-  std::vector<float> next_rotations;
-  std::vector<AddedVertex> next_added;
-  std::vector<int> next_touched;
+  FactorMaker factors;
   std::optional<AggregatePreconditioner> aggregates;
   BlockJacobi jacobi;
   std::vector<float> rotations;
@@ -149,9 +121,8 @@ struct StepSolver::Impl {
   explicit Impl(const SolverConfig& given) : config(given) { validate(config); }
 
   void choose(StepSystem& system);
-  bool iterateOrGiveUp(StepSystem& system, const Eigen::Matrix3Xd& b,
-                       std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x,
-                       SolverReport& report, SolveResult& result);
+  bool iterateOrGiveUp(StepSystem& system, const Eigen::Matrix3Xd& b, Clock::time_point step_start,
+                       Eigen::Matrix3Xd& x, SolverReport& report, SolveResult& result);
   void noteIterations(const SolverReport& report);
   void replaceAggregates(StepSystem& system);
   void takeFixed(StepSystem& system);
@@ -160,20 +131,24 @@ struct StepSolver::Impl {
   void prepare(StepSystem& system);
   void refresh(StepSystem& system);
   void takeNextFactor();
-  void takeFactor(MadeFactor made, const std::vector<bool>& its_fixed, std::vector<float> its_rotations);
-  std::vector<int> inheritedOrder() const;
-  bool hasLargePatch() const;
+  void takeFactor(FactorMaker::Made made);
+  FactorMaker::Body bodyForFactor(StepSystem& system) const;
+  bool hasPatchOf(double part) const;
   void replaceLargePatch(StepSystem& system);
+  void renewPatchOrFactor(StepSystem& system);
+  void makeFactorAtOnce(StepSystem& system);
   void prepareAggregates(StepSystem& system);
   template <class Scalar>
   SolveStatus update(StepSystem& system, Lane<Scalar>& lane, Preconditioner& chosen);
   Preconditioner& preconditioner(StepSystem& system, SolverReport& report);
   template <class Scalar>
+  void keepSolution(const Lane<Scalar>& lane, const std::vector<int>& active);
+  IterationLimits limitsOf(bool is_touched, Clock::time_point step_start) const;
+  template <class Scalar>
   void startFromEarlier(const StepSystem& system, Lane<Scalar>& lane);
   template <class Scalar>
   bool iterate(StepSystem& system, Lane<Scalar>& lane, const Eigen::Matrix3Xd& b,
-               std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x, SolverReport& report,
-               SolveResult& result);
+               Clock::time_point step_start, Eigen::Matrix3Xd& x, SolverReport& report, SolveResult& result);
   SolveResult solveDirectly(StepSystem& system, const Eigen::Matrix3Xd& b, Eigen::Matrix3Xd& x);
 };
 
@@ -219,7 +194,7 @@ void StepSolver::Impl::takeBodyAsItLies(StepSystem& system) {
 
 // What depends on the pattern and on which vertices move.
 void StepSolver::Impl::prepare(StepSystem& system) {
-  next_factor = {};  // waits for one under way
+  factors = {};  // waits for one under way
   factor.reset();
   solutions.clear();
   is_direct_analysed = false;
@@ -230,7 +205,7 @@ void StepSolver::Impl::prepare(StepSystem& system) {
   prepareAggregates(system);
   choose(system);
   if (kind == SolverKind::kFactor) {
-    takeFactor(makeFactor(system.pattern(), body_matrix, fixed), fixed, body_rotations);
+    takeFactor(factors.make(bodyForFactor(system)));
   }
   is_restarted = is_cut = is_stale = false;
   stale_steps = 0;
@@ -241,7 +216,7 @@ void StepSolver::Impl::prepare(StepSystem& system) {
 void StepSolver::Impl::refresh(StepSystem& system) {
   ++stale_steps;
   // Not in the first step after a cut, which has the patch to factor.
-  if (!next_factor.valid() && stale_steps >= std::min(2, config.refresh_after_steps)) {
+  if (!factors.isUnderWay() && stale_steps >= std::min(2, config.refresh_after_steps)) {
     takeBodyAsItLies(system);
     choose(system);  // cuts make vertices
     if (kind != SolverKind::kFactor) {
@@ -250,66 +225,58 @@ void StepSolver::Impl::refresh(StepSystem& system) {
       is_stale = false;
       return;
     }
-    next_fixed = fixed;
-    next_rotations = body_rotations;
-    next_added.clear();
-    next_touched.clear();
-    next_factor = std::async(std::launch::async, [rows = system.pattern(), matrix = body_matrix,
-                                                  fixed = fixed] { return makeFactor(rows, matrix, fixed); });
+    factors.begin(bodyForFactor(system));
   }
-  const bool is_hard = last_iterations > kManyWithPatch && stale_steps > kSoonestFactor;
-  if (is_hard || stale_steps > config.refresh_after_steps) takeNextFactor();
+  const bool is_hard = last_iterations > kManyWithPatch || hasPatchOf(kLargestPatch / 2);
+  if (stale_steps >
+      (is_hard ? std::min(kSoonestFactor, config.refresh_after_steps) : config.refresh_after_steps))
+    takeNextFactor();
   if (!factor) prepareAggregates(system);
 }
 
+FactorMaker::Body StepSolver::Impl::bodyForFactor(StepSystem& system) const {
+  return {system.pattern(), body_matrix, fixed, body_rotations};
+}
+
 void StepSolver::Impl::takeNextFactor() {
-  MadeFactor made = next_factor.get();
-  stale_steps = 0;
-  is_stale = !next_touched.empty();
-  takeFactor(std::move(made), next_fixed, next_rotations);
-  added_since_order = next_added;
-  if (factor && is_stale) factor->follow(next_added, next_touched);
+  is_stale = factors.wasCutSince();
+  stale_steps = is_stale ? 1 : 0;  // the next one begins in the next step
+  takeFactor(factors.take());
 }
 
-void StepSolver::Impl::takeFactor(MadeFactor made, const std::vector<bool>& its_fixed,
-                                  std::vector<float> its_rotations) {
-  factor.reset();
-  if (made.status == SolveStatus::kSolved) {
-    order = made.factor.order();
-    added_since_order.clear();
-    factor.emplace(std::move(made.factor), its_fixed, std::move(its_rotations));
-  } else {
-    is_stale = false;
-    kind = SolverKind::kAggregates;
-    reason = std::string("of the body's factor, ") + toString(made.status);
-  }
+void StepSolver::Impl::takeFactor(FactorMaker::Made made) {
+  factor = std::move(made.factor);
+  if (factor) return;
+  is_stale = false;
+  kind = SolverKind::kAggregates;
+  reason = std::string("of the body's factor, ") + toString(made.status);
 }
 
-// Of the body as it is now; empty where that of the last factor does not lead to one.
-std::vector<int> StepSolver::Impl::inheritedOrder() const {
-  std::vector<int> inherited = followCuts(order, added_since_order);
-  inherited.erase(
-      std::remove_if(inherited.begin(), inherited.end(), [&](int vertex) { return fixed[vertex]; }),
-      inherited.end());
-  const auto num_free = std::count(fixed.begin(), fixed.end(), false);
-  return static_cast<std::ptrdiff_t>(inherited.size()) == num_free ? inherited : std::vector<int>();
-}
-
-bool StepSolver::Impl::hasLargePatch() const {
-  return factor && factor->patchSize() > kLargestPatch * factor->numVertices();
+bool StepSolver::Impl::hasPatchOf(double part) const {
+  return factor && factor->patchSize() > part * factor->numVertices();
 }
 
 // Where cuts have touched too much, a step waits for the factor that is under way, or for one of its own.
 void StepSolver::Impl::replaceLargePatch(StepSystem& system) {
-  if (hasLargePatch() && next_factor.valid()) takeNextFactor();
-  if (!hasLargePatch()) return;
+  if (hasPatchOf(kLargestPatch) && factors.isUnderWay()) takeNextFactor();
+  if (hasPatchOf(kLargestPatch)) makeFactorAtOnce(system);
+}
+
+void StepSolver::Impl::renewPatchOrFactor(StepSystem& system) {
+  if (factor->hasOldPatch()) {
+    factor->renewPatch();
+  } else {
+    makeFactorAtOnce(system);
+  }
+}
+
+void StepSolver::Impl::makeFactorAtOnce(StepSystem& system) {
   takeBodyAsItLies(system);
   choose(system);  // cuts make vertices
   is_stale = false;
   stale_steps = 0;
   if (kind == SolverKind::kFactor) {
-    takeFactor(makeFactor(system.pattern(), body_matrix, fixed, SingleFactor::kAnySize, inheritedOrder()),
-               fixed, body_rotations);
+    takeFactor(factors.makeInLastOrder(bodyForFactor(system)));
   } else {
     factor.reset();
   }
@@ -330,12 +297,12 @@ void StepSolver::Impl::replaceAggregates(StepSystem& system) {
   const double spared = many_iterations_most / kIterationsWithFactor - 1;
   takeBodyAsItLies(system);
   const double most_values = spared * kSlowness * static_cast<double>(body_matrix.blocks.size());
-  MadeFactor made = makeFactor(system.pattern(), body_matrix, fixed, static_cast<std::size_t>(most_values));
-  if (made.status != SolveStatus::kSolved) return;
+  FactorMaker::Made made = factors.make(bodyForFactor(system), static_cast<std::size_t>(most_values));
+  if (!made.factor) return;
   prefers_factor = true;
   choose(system);
   aggregates.reset();
-  takeFactor(std::move(made), fixed, body_rotations);
+  takeFactor(std::move(made));
 }
 
 // The aggregates of the body as it is now are made when they are first asked for.
@@ -414,11 +381,36 @@ void StepSolver::Impl::startFromEarlier(const StepSystem& system, Lane<Scalar>& 
   }
 }
 
+template <class Scalar>
+void StepSolver::Impl::keepSolution(const Lane<Scalar>& lane, const std::vector<int>& active) {
+  if (static_cast<int>(solutions.size()) >= config.projection) solutions.pop_back();
+  active_in_solutions = active;
+  Eigen::VectorXd& kept = solutions.emplace_front(3 * static_cast<Eigen::Index>(active.size()));
+  Eigen::Index place = 0;
+  for (const ActiveRuns::Run& run : lane.runs.runs()) {
+    kept.segment(place, run.count) = lane.x.segment(run.first, run.count).template cast<double>();
+    place += run.count;
+  }
+}
+
+IterationLimits StepSolver::Impl::limitsOf(bool is_touched, Clock::time_point step_start) const {
+  IterationLimits limits;
+  limits.tolerance = config.tolerance;
+  limits.error_target = config.error_target;
+  limits.max_iterations =
+      is_touched ? std::min(config.max_iterations, kMostForContacts) : config.max_iterations;
+  if (config.step_budget_ms) {
+    limits.deadline = step_start + std::chrono::duration_cast<Clock::duration>(
+                                       std::chrono::duration<double, std::milli>(*config.step_budget_ms));
+  }
+  return limits;
+}
+
 // Whether it came to an end that will do.
 template <class Scalar>
 bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eigen::Matrix3Xd& b,
-                               std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x,
-                               SolverReport& report, SolveResult& result) {
+                               Clock::time_point step_start, Eigen::Matrix3Xd& x, SolverReport& report,
+                               SolveResult& result) {
   const std::vector<int>& active = system.active();
   system.assemble(lane.matrix);
   const bool is_touched = kind == SolverKind::kFactor && !lane.matrix.ties.empty();
@@ -449,44 +441,27 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
       lane.b[3 * i + c] = length > 0 ? static_cast<Scalar>(b(c, i) / length) : Scalar(0);
   }
   startFromEarlier(system, lane);
-  IterationLimits limits;
-  limits.tolerance = config.tolerance;
-  limits.error_target = config.error_target;
-  limits.max_iterations =
-      is_touched ? std::min(config.max_iterations, kMostForContacts) : config.max_iterations;
-  if (config.step_budget_ms) {
-    limits.deadline = step_start + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                       std::chrono::duration<double, std::milli>(*config.step_budget_ms));
-  }
-  const auto go = [&] {
-    const IterationResult done = lane.iteration.solve(system.pattern(), lane.matrix, active, lane.b, chosen,
-                                                      limits, config.threads, lane.x);
-    report.iterations += done.iterations;
-    return done;
-  };
+  IterationLimits limits = limitsOf(is_touched, step_start);
+  const int most_iterations = limits.max_iterations;
+  const double finest = config.error_target ? *config.error_target : config.tolerance;
+  const int most_with_patch = static_cast<int>(kMostADigitWithPatch * std::max(-std::log10(finest), 1.0));
   const auto hasFailed = [&](const IterationResult& done) {
     return done.end == IterationResult::End::kIterations || done.end == IterationResult::End::kBreakdown ||
            !lane.x.allFinite();
   };
-  if (kind == SolverKind::kFactor) {
-    const double digits = -std::log10(config.error_target ? *config.error_target : config.tolerance);
-    const double most =
-        std::max(digits, 1.0) * (std::is_same_v<Scalar, double> ? kMostADigitInDouble : kMostADigit);
-    limits.max_iterations = std::min(limits.max_iterations, static_cast<int>(std::ceil(most)));
-  }
-  if (kind == SolverKind::kFactor && factor->hasInexactPatch())
-    limits.max_iterations = std::min(limits.max_iterations, kMostWithWornPatch);
-  const int most_iterations = limits.max_iterations;
-  const bool has_old_patch = kind == SolverKind::kFactor && factor->hasOldPatch();
-  if (has_old_patch) limits.max_iterations = std::min(most_iterations, kMostWithWornPatch);
-  IterationResult done = go();
-  if (has_old_patch && hasFailed(done)) {
-    factor->renewPatch();
+  IterationResult done;
+  while (true) {
+    const bool has_patch = kind == SolverKind::kFactor && factor->patchSize() > 0;
+    limits.max_iterations = has_patch ? std::min(most_iterations, most_with_patch) : most_iterations;
+    done = lane.iteration.solve(system.pattern(), lane.matrix, active, lane.b, chosen, limits, config.threads,
+                                lane.x);
+    report.iterations += done.iterations;
+    if (!has_patch || !hasFailed(done)) break;
+    renewPatchOrFactor(system);
+    if (!factor) return false;
     result.status = update(system, lane, chosen);
     if (result.status != SolveStatus::kSolved) return false;
     if (!lane.x.allFinite()) startFromEarlier(system, lane);
-    limits.max_iterations = most_iterations;
-    done = go();
   }
   report.is_single = std::is_same_v<Scalar, float>;
   report.estimated_error = done.estimated_error;
@@ -503,16 +478,7 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   }
   if (!free_parts) free_parts.emplace(system.pattern(), system.movable());
   free_parts->keepMomentum(lane.matrix, active, b, x);
-  if (config.projection > 0 && length > 0) {
-    if (static_cast<int>(solutions.size()) >= config.projection) solutions.pop_back();
-    active_in_solutions = active;
-    Eigen::VectorXd& kept = solutions.emplace_front(3 * static_cast<Eigen::Index>(active.size()));
-    Eigen::Index place = 0;
-    for (const ActiveRuns::Run& run : lane.runs.runs()) {
-      kept.segment(place, run.count) = lane.x.segment(run.first, run.count).template cast<double>();
-      place += run.count;
-    }
-  }
+  if (config.projection > 0 && length > 0) keepSolution(lane, active);
   result.status = SolveStatus::kSolved;
   return true;
 }
@@ -557,17 +523,13 @@ void StepSolver::follow(const std::vector<AddedVertex>& added, const std::vector
   s.is_direct_analysed = false;
   s.free_parts.reset();
   s.solutions.clear();
-  if (s.next_factor.valid()) {
-    s.next_added.insert(s.next_added.end(), added.begin(), added.end());
-    s.next_touched.insert(s.next_touched.end(), touched.begin(), touched.end());
-  }
-  s.added_since_order.insert(s.added_since_order.end(), added.begin(), added.end());
+  s.factors.follow(added, touched);
   if (s.factor) s.factor->follow(added, touched);
 }
 
 // In single precision, then in double; whether it came to an end that will do.
 bool StepSolver::Impl::iterateOrGiveUp(StepSystem& system, const Eigen::Matrix3Xd& b,
-                                       std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x,
+                                       Clock::time_point step_start, Eigen::Matrix3Xd& x,
                                        SolverReport& report, SolveResult& result) {
   const double finest = config.error_target ? *config.error_target : config.tolerance;
   const bool is_single = config.precision == Precision::kSingle ||
@@ -594,8 +556,7 @@ bool StepSolver::Impl::iterateOrGiveUp(StepSystem& system, const Eigen::Matrix3X
 }
 
 SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, bool begins_step,
-                              std::chrono::steady_clock::time_point step_start, Eigen::Matrix3Xd& x,
-                              SolverReport& report) {
+                              Clock::time_point step_start, Eigen::Matrix3Xd& x, SolverReport& report) {
   Impl& s = *impl_;
   if (s.is_restarted) {
     s.prepare(system);
@@ -603,7 +564,6 @@ SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, boo
     if (s.is_cut && s.factor) s.replaceLargePatch(system);
     if (s.is_cut && !s.factor) s.prepareAggregates(system);
     if (s.is_cut) {
-      s.of_single = s.of_iterations = {};
       s.many_iterations_since = 0;
       s.was_factor_tried = false;
     }

@@ -221,6 +221,27 @@ TEST(StepSolver, ALargeCutIsFactoredAtOnce) {
   }
 }
 
+// Parts of a patch turn against each other until it is no use any more: it is factored anew before anything
+// slower is tried.
+TEST(StepSolver, AWornPatchIsFactoredAnew) {
+  PolyhedralMesh mesh = makeTetBeam(6);
+  BodySystem system(mesh);
+  SolverConfig config = withKind(SolverKind::kFactor, 1e-4, Precision::kAuto);
+  config.refresh_after_steps = 1000;
+  StepSolver solver(config);
+  system.linearise(bentBeam(mesh));
+  solve(solver, system, someLoad(system, 5));
+  cutFromAbove(mesh, system, solver, 0.203, 0.07, 1);
+  for (int step = 0; step < 12; ++step) {
+    system.linearise(shake(bend(mesh.restPositions(), kLength, 0.8 + 0.3 * step), 0.001 * step, step));
+    const Eigen::Matrix3Xd b = someLoad(system, 6 + step);
+    const Solution solution = solve(solver, system, b);
+    expectSolved(solution, system, b, 1e-2);
+    EXPECT_EQ(solution.report.kind, SolverKind::kFactor) << step;
+    EXPECT_EQ(solution.report.fallbacks, 0) << step;
+  }
+}
+
 // The next factor is of the body as it lies: until it moves on, nothing is left to iterate.
 TEST(StepSolver, AFactorTakenOverIsExact) {
   PolyhedralMesh mesh = makeTetBeam(4);

@@ -48,8 +48,6 @@ class TurnedFactor final : public Preconditioner {
   int numVertices() const { return num_vertices_; }
   /// Whether there is a patch that another update() than the last one has factored.
   bool hasOldPatch() const { return !patch_active_.empty() && is_patch_old_; }
-  /// Whether the last patch is too much for single precision.
-  bool hasInexactPatch() const { return !patch_active_.empty() && beside_.empty(); }
   /// The next update() factors the patch anew.
   void renewPatch() { is_patch_factored_ = false; }
 
