@@ -36,6 +36,7 @@ FactorMaker::Made FactorMaker::make(const Body& body, std::size_t most_values) {
 }
 
 FactorMaker::Made FactorMaker::makeInLastOrder(const Body& body) {
+  dropped_ = std::move(next_);
   std::vector<int> order = followCuts(order_, added_since_order_);
   order.erase(std::remove_if(order.begin(), order.end(), [&](int vertex) { return body.fixed[vertex]; }),
               order.end());

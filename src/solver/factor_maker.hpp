@@ -29,6 +29,7 @@ class FactorMaker {
   /// most_values: as SingleFactor::factorise() takes it.
   Made make(const Body& body, std::size_t most_values = SingleFactor::kAnySize);
   /// In half the time, in the order of the last factor that was made or taken, which follows the cuts since.
+  /// One under way is dropped: it is of an older body.
   Made makeInLastOrder(const Body& body);
 
   /// Begins one in a thread of its own; nothing of the body is needed any more.
@@ -56,6 +57,7 @@ class FactorMaker {
   std::vector<AddedVertex> added_since_order_;
   // The factor under way, of a body as it was, and what has been cut since.
   std::future<Plain> next_;
+  std::future<Plain> dropped_;  // not waited for until the next one is dropped
   std::vector<bool> next_fixed_;
   std::vector<float> next_rotations_;
   std::vector<AddedVertex> next_added_;

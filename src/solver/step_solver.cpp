@@ -9,6 +9,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "ban.hpp"
 #include "factor_maker.hpp"
 #include "free_parts.hpp"
 #include "polyscalpel/core/checks.hpp"
@@ -41,22 +42,6 @@ constexpr int kManyIterations = 70;
 constexpr double kSingleTolerance = 1e-5;
 
 using Clock = std::chrono::steady_clock;
-
-/// What failed is not tried again for some steps, twice as many each time.
-class Ban {
- public:
-  bool holds() const { return steps_left_ > 0; }
-  void beginStep() { steps_left_ = std::max(0, steps_left_ - 1); }
-  void noteFailure() {
-    steps_left_ = length_;
-    length_ = std::min(2 * length_, kLongest);
-  }
-  void noteSuccess() { length_ = kShortest; }
-
- private:
-  static constexpr int kShortest = 8, kLongest = 256;
-  int steps_left_ = 0, length_ = kShortest;
-};
 
 /// The largest ratio of stiffness to mass on the diagonal.
 double stiffnessOverMass(const RowPattern& pattern, const DifferenceMatrix<double>& matrix,
@@ -119,6 +104,7 @@ struct StepSolver::Impl {
   Blocks blocks;
 
   explicit Impl(const SolverConfig& given) : config(given) { validate(config); }
+  double finest() const { return config.error_target ? *config.error_target : config.tolerance; }
 
   void choose(StepSystem& system);
   bool iterateOrGiveUp(StepSystem& system, const Eigen::Matrix3Xd& b, Clock::time_point step_start,
@@ -280,6 +266,7 @@ void StepSolver::Impl::makeFactorAtOnce(StepSystem& system) {
   } else {
     factor.reset();
   }
+  if (!factor) prepareAggregates(system);
 }
 
 void StepSolver::Impl::noteIterations(const SolverReport& report) {
@@ -443,8 +430,7 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   startFromEarlier(system, lane);
   IterationLimits limits = limitsOf(is_touched, step_start);
   const int most_iterations = limits.max_iterations;
-  const double finest = config.error_target ? *config.error_target : config.tolerance;
-  const int most_with_patch = static_cast<int>(kMostADigitWithPatch * std::max(-std::log10(finest), 1.0));
+  const int most_with_patch = static_cast<int>(kMostADigitWithPatch * std::max(-std::log10(finest()), 1.0));
   const auto hasFailed = [&](const IterationResult& done) {
     return done.end == IterationResult::End::kIterations || done.end == IterationResult::End::kBreakdown ||
            !lane.x.allFinite();
@@ -531,9 +517,8 @@ void StepSolver::follow(const std::vector<AddedVertex>& added, const std::vector
 bool StepSolver::Impl::iterateOrGiveUp(StepSystem& system, const Eigen::Matrix3Xd& b,
                                        Clock::time_point step_start, Eigen::Matrix3Xd& x,
                                        SolverReport& report, SolveResult& result) {
-  const double finest = config.error_target ? *config.error_target : config.tolerance;
   const bool is_single = config.precision == Precision::kSingle ||
-                         (config.precision == Precision::kAuto && finest >= kSingleTolerance);
+                         (config.precision == Precision::kAuto && finest() >= kSingleTolerance);
   if (is_single && !of_single.holds()) {
     if (iterate(system, single, b, step_start, x, report, result)) {
       of_single.noteSuccess();
@@ -561,9 +546,12 @@ SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, boo
   if (s.is_restarted) {
     s.prepare(system);
   } else {
-    if (s.is_cut && s.factor) s.replaceLargePatch(system);
-    if (s.is_cut && !s.factor) s.prepareAggregates(system);
     if (s.is_cut) {
+      if (s.factor) {
+        s.replaceLargePatch(system);
+      } else {
+        s.prepareAggregates(system);
+      }
       s.many_iterations_since = 0;
       s.was_factor_tried = false;
     }

@@ -19,6 +19,10 @@ TurnedFactor::TurnedFactor(SingleFactor factor, const std::vector<bool>& fixed, 
       first_share_(1, 0),
       base_(std::move(rotations)) {
   POLYSCALPEL_ASSERT(base_.empty() || base_.size() == 9 * fixed.size());
+  // Fixed vertices have no rotation of their own, but may be parents of some that move.
+  for (std::size_t i = 0; i < fixed.size() && !base_.empty(); ++i) {
+    if (fixed[i]) Eigen::Map<Eigen::Matrix3f>(&base_[9 * i]).setIdentity();
+  }
   coarse_.assign(3 * fixed.size(), 0.0F);
 }
 

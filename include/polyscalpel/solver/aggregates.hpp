@@ -34,9 +34,9 @@ class AggregatePreconditioner final : public Preconditioner {
   SolveStatus make(const RowPattern& pattern, const DifferenceMatrix<double>& rest_matrix,
                    const Eigen::Ref<const Eigen::Matrix3Xd>& rest_positions, const std::vector<int>& active);
 
-  /// Takes the matrix as it is now and the vertices' rotations, 9 each; the list must live on. What
-  /// holds points of the body is in both levels. A status other than kSolved: not to be used with this
-  /// matrix.
+  /// Takes the matrix as it is now and the vertices' rotations, 9 each; the list of active vertices must live
+  /// on. What holds points of the body is in both levels. A status other than kSolved: not to be used with
+  /// this matrix.
   template <class Scalar>
   SolveStatus update(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
                      const std::vector<int>& active, const std::vector<float>& rotations, int num_threads) {
