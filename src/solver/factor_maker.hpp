@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <future>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "polyscalpel/core/difference_matrix.hpp"
+#include "polyscalpel/solver/symbolic_factor.hpp"
 #include "polyscalpel/solver/turned_factor.hpp"
 
 namespace polyscalpel {
@@ -26,11 +28,13 @@ class FactorMaker {
     std::optional<TurnedFactor> factor;  ///< there if the status is kSolved
   };
 
-  /// most_values: as SingleFactor::factorise() takes it.
-  Made make(const Body& body, std::size_t most_values = SingleFactor::kAnySize);
-  /// In half the time, in the order of the last factor that was made or taken, which follows the cuts since.
-  /// One under way is dropped: it is of an older body.
-  Made makeInLastOrder(const Body& body);
+  static constexpr std::size_t kAnySize = std::numeric_limits<std::size_t>::max();
+
+  /// A factor of more than most_values numbers is not made: kOutOfMemory.
+  Made make(const Body& body, std::size_t most_values = kAnySize);
+  /// In half the time, by the ordering that is found fastest. One under way is dropped: it is of an older
+  /// body.
+  Made makeAtOnce(const Body& body);
 
   /// Begins one in a thread of its own; nothing of the body is needed any more.
   void begin(const Body& body);
@@ -40,21 +44,21 @@ class FactorMaker {
   /// The one that was begun, with the cuts since as its patch; waits for it.
   Made take();
 
-  /// As TurnedFactor::follow(), which is to be told for the factor in use besides.
+  /// As TurnedFactor::follow(), which is to be told for the factor in use besides; of no use to one not under
+  /// way.
   void follow(const std::vector<AddedVertex>& added, const std::vector<int>& touched);
 
  private:
   struct Plain {
     SolveStatus status = SolveStatus::kSolved;
     SingleFactor factor;
+    Ordering ordering = Ordering::kUndecided;  // by which it was made
   };
   static Plain factorise(const RowPattern& rows, const DifferenceMatrix<double>& matrix,
-                         const std::vector<bool>& fixed, std::size_t most_values,
-                         const std::vector<int>& order);
-  Made finish(Plain plain, const std::vector<bool>& fixed, const std::vector<float>& rotations);
+                         const std::vector<bool>& fixed, std::size_t most_values, Ordering ordering);
+  static Made finish(Plain plain, const std::vector<bool>& fixed, const std::vector<float>& rotations);
 
-  std::vector<int> order_;  // of elimination, of the last factor
-  std::vector<AddedVertex> added_since_order_;
+  Ordering ordering_ = Ordering::kUndecided;  // of the body when it was whole
   // The factor under way, of a body as it was, and what has been cut since.
   std::future<Plain> next_;
   std::future<Plain> dropped_;  // not waited for until the next one is dropped

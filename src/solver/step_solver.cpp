@@ -26,7 +26,7 @@ constexpr std::size_t kFewVertices = 6000;
 /// Where stiffness is less than this many times the mass in the matrix, diagonal blocks need few iterations.
 constexpr double kMildStiffness = 4;
 /// A patch of more than this part of the factor's vertices costs as much as it saves.
-constexpr double kLargestPatch = 0.35;
+constexpr double kLargestPatch = 0.2;
 /// Contacts so stiff that single precision does not hold them in the factor: what takes more iterations than
 /// this costs more than factoring the matrix does.
 constexpr int kMostForContacts = 30;
@@ -262,7 +262,7 @@ void StepSolver::Impl::makeFactorAtOnce(StepSystem& system) {
   is_stale = false;
   stale_steps = 0;
   if (kind == SolverKind::kFactor) {
-    takeFactor(factors.makeInLastOrder(bodyForFactor(system)));
+    takeFactor(factors.makeAtOnce(bodyForFactor(system)));
   } else {
     factor.reset();
   }
@@ -405,6 +405,12 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   if (has_stiff_contacts) return false;
   Preconditioner& chosen = preconditioner(system, report);
   result.status = update(system, lane, chosen);
+  // A patch is of the matrix in single precision, which slivers may be too much for.
+  if (result.status != SolveStatus::kSolved && kind == SolverKind::kFactor && factor->patchSize() > 0) {
+    makeFactorAtOnce(system);
+    if (!factor) return false;
+    result.status = update(system, lane, chosen);
+  }
   if (result.status != SolveStatus::kSolved) {
     has_stiff_contacts = !lane.matrix.holds.empty();
     return false;

@@ -8,6 +8,7 @@
 
 #include "polyscalpel/solver/aggregates.hpp"
 #include "polyscalpel/solver/block_jacobi.hpp"
+#include "polyscalpel/solver/symbolic_factor.hpp"
 #include "polyscalpel/solver/turned_factor.hpp"
 
 namespace polyscalpel::report {
@@ -109,21 +110,19 @@ StageTraffic assemblyTraffic(BentBody& bent) {
   return onceThrough(read + written, sizes.cells, "cell");
 }
 
-/// A factor's numbers on and below the diagonal without its padding, and the row of each below a supernode:
-/// both go by twice, down and up, and each unknown's place does.
-StageTraffic factorTraffic(const BlockPattern& pattern, const Blocks& blocks,
-                           const std::vector<bool>& fixed) {
-  DirectSolver solver;
-  if (solver.analyse(pattern, fixed) != SolveStatus::kSolved ||
-      solver.factorise(pattern, blocks) != SolveStatus::kSolved)
-    throw std::runtime_error("the factor failed whose size is to be counted");
-  const FactorPanels panels = solver.panels();
-  double bytes = kInt * static_cast<double>(panels.places.size());
-  for (const FactorPanels::Supernode& node : panels.supernodes) {
-    const double columns = node.num_columns, rows = node.num_rows;
-    bytes += kFloat * (columns * rows - columns * (columns - 1) / 2) + kInt * (rows - columns);
+/// A factor's numbers on and below the diagonal without its padding, and the vertices of rows below a
+/// supernode: both go by twice, down and up, and each vertex's place does.
+StageTraffic factorTraffic(const BlockPattern& pattern, const std::vector<bool>& fixed) {
+  SymbolicFactor factor;
+  Ordering ordering = Ordering::kUndecided;
+  if (analyse(pattern, fixed, ordering, factor) != SolveStatus::kSolved)
+    throw std::runtime_error("the analysis failed by which a factor is to be counted");
+  double bytes = kInt * static_cast<double>(factor.order.size());
+  for (const SymbolicFactor::Supernode& node : factor.supernodes) {
+    const double columns = 3 * node.num_columns, below = 3 * node.num_rows;
+    bytes += kFloat * (columns * (columns + 1) / 2 + columns * below) + kInt * node.num_rows;
   }
-  return {2 * bytes, bytes, static_cast<std::int64_t>(panels.places.size()), "unknown"};
+  return {2 * bytes, bytes, 3 * static_cast<std::int64_t>(factor.order.size()), "unknown"};
 }
 
 /// The rigid motions of groups that share a block: two block rows a group.
@@ -141,28 +140,21 @@ StageTraffic coarseTraffic(BentBody& bent, int num_groups) {
     }
   }
   BlockPattern pattern;
-  Blocks blocks;
-  const auto add = [&](int row, double diagonal) {
-    pattern.row.push_back(row);
-    blocks.emplace_back(diagonal * Eigen::Matrix3d::Identity());
-  };
   for (int g = 0; g < num_groups; ++g) {
     for (int half = 0; half < 2; ++half) {
-      for (int part = half; part < 2; ++part) add(2 * g + part, part == half ? 1 : 0);
+      for (int part = half; part < 2; ++part) pattern.row.push_back(2 * g + part);
       for (const int other : below[g])
-        for (int part = 0; part < 2; ++part) add(2 * other + part, 0);
+        for (int part = 0; part < 2; ++part) pattern.row.push_back(2 * other + part);
       pattern.column_start.push_back(pattern.numBlocks());
     }
   }
-  return factorTraffic(pattern, blocks, std::vector<bool>(2 * num_groups, false));
+  return factorTraffic(pattern, std::vector<bool>(2 * num_groups, false));
 }
 
 /// Beside the factor: of each vertex its number and rotation, residual and result.
 StageTraffic turnedFactorTraffic(BentBody& bent) {
   const BlockPattern pattern = toBlockPattern(bent.corotated().pattern());
-  Blocks blocks;
-  convert(bent.corotated().pattern(), bent.rest_matrix, pattern, blocks);
-  StageTraffic traffic = factorTraffic(pattern, blocks, bent.body.fixed);
+  StageTraffic traffic = factorTraffic(pattern, bent.body.fixed);
   const double of_vertices = (kInt + 15 * kFloat) * static_cast<double>(bent.active.size());
   traffic.moved_bytes += of_vertices;
   traffic.held_bytes += of_vertices;

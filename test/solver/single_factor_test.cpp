@@ -83,6 +83,42 @@ TEST(SingleFactor, UndoesABodysMatrixBesideFixedVertices) {
   }
 }
 
+// Springs in a row, held by one a part in 1e8 as stiff: pivots drown in the rounding of single precision.
+TEST(SingleFactor, DoubleServesWhereSingleIsNotEnough) {
+  constexpr int kSize = 30;
+  constexpr double kSoft = 1e-8;
+  BlockPattern pattern;
+  Blocks blocks;
+  for (int i = 0; i < kSize; ++i) {
+    const double diagonal = (i > 0 ? 1 : kSoft) + (i + 1 < kSize ? 1 : 0);
+    pattern.row.push_back(i);
+    blocks.emplace_back(diagonal * Eigen::Matrix3d::Identity());
+    if (i + 1 < kSize) {
+      pattern.row.push_back(i + 1);
+      blocks.emplace_back(-Eigen::Matrix3d::Identity());
+    }
+    pattern.column_start.push_back(pattern.numBlocks());
+  }
+  SingleFactor factor;
+  ASSERT_EQ(factor.factorise(pattern, blocks, std::vector<bool>(kSize, false)), SolveStatus::kSolved);
+  // Pulled together, all move by the soft spring's length.
+  const Eigen::Matrix3Xd pull = Eigen::Matrix3Xd::Constant(3, kSize, 1);
+  const double length = kSize / kSoft;
+  EXPECT_LT((solve(factor, pull).array() - length).abs().maxCoeff(), 1e-4 * length);
+}
+
+// A factor is made in the memory of the one before.
+TEST(SingleFactor, NothingIsLeftOfAnEarlierFactor) {
+  SingleFactor factor;
+  const BodyMatrix large = makeBodyMatrix(makeTetBeam(4)), small = makeBodyMatrix(makeTetBeam(2));
+  const Eigen::Matrix3Xd b = randomPoints(small.pattern.numVertices(), 12);
+  ASSERT_EQ(factor.factorise(small.pattern, small.blocks, small.fixed), SolveStatus::kSolved);
+  const Eigen::Matrix3Xd x = solve(factor, b);
+  ASSERT_EQ(factor.factorise(large.pattern, large.blocks, large.fixed), SolveStatus::kSolved);
+  ASSERT_EQ(factor.factorise(small.pattern, small.blocks, small.fixed), SolveStatus::kSolved);
+  EXPECT_EQ(solve(factor, b), x);
+}
+
 TEST(SingleFactor, IsSymmetricAndPositive) {
   const PolyhedralMesh mesh = makeTetBeam(2);
   const BodyMatrix matrix = makeBodyMatrix(mesh);

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstddef>
-#include <limits>
 #include <vector>
 
 #include "polyscalpel/core/block_matrix.hpp"
-#include "polyscalpel/solver/direct_solver.hpp"
+#include "polyscalpel/solver/solve_status.hpp"
+#include "polyscalpel/solver/symbolic_factor.hpp"
 
 namespace polyscalpel {
 
@@ -17,37 +17,39 @@ namespace polyscalpel {
 /// and going up x = L11^-T y - (L21 L11^-1)^T x_below, one product each.
 class SingleFactor {
  public:
-  static constexpr std::size_t kAnySize = std::numeric_limits<std::size_t>::max();
-
-  /// Orders, analyses and factors (CHOLMOD, in double precision). fixed: one flag a vertex. most_values: a
-  /// factor of more numbers is not made, kOutOfMemory. order: vertices in the order to eliminate them, all
-  /// that are not fixed, each once; empty: a good one is found, which takes a third of the time.
-  SolveStatus factorise(const BlockPattern& pattern, const Blocks& blocks, const std::vector<bool>& fixed,
-                        std::size_t most_values = kAnySize, const std::vector<int>& order = {});
+  /// Orders, analyses and factors in single precision, where that is not enough in double. fixed: one flag a
+  /// vertex. Empty unless the status is kSolved.
+  SolveStatus factorise(const BlockPattern& pattern, const Blocks& blocks, const std::vector<bool>& fixed);
+  /// The same with the analysis given.
+  SolveStatus factorise(SymbolicFactor symbolic, const BlockPattern& pattern, const Blocks& blocks);
 
   /// x = A^-1 b in place; 3 numbers a vertex, those of fixed ones are left alone. Allocates nothing; not for
   /// two threads at once.
   void solve(float* values);
 
   /// Vertices in the order in which they were eliminated, without fixed ones.
-  std::vector<int> order() const;
-  bool isEmpty() const { return places_.empty(); }
+  const std::vector<int>& order() const { return order_; }
+  bool isEmpty() const { return order_.empty(); }
   /// Numbers in the panels.
   std::size_t numValues() const { return values_.size(); }
 
  private:
   struct Supernode {
-    int first_column = 0, num_columns = 0;
-    int first_row = 0, num_rows = 0;  // in rows_: below the diagonal block
+    int first_column = 0, num_columns = 0;  // unknowns
+    int first_row = 0, num_rows = 0;        // the first one's vertex in rows_; below the diagonal block
     int leading = 0, padded_columns = 0;
     std::size_t first_value = 0;
   };
-  void takePanel(const FactorPanels::Supernode& given, const Supernode& node);
+  template <class Scalar>
+  SolveStatus fill(const SymbolicFactor& symbolic, const BlockPattern& pattern, const Blocks& blocks,
+                   Scalar smallest_pivot, std::vector<Scalar>& values);
+  template <class Scalar>
+  static void invertDiagonal(const Supernode& node, Scalar* panel, std::vector<Scalar>& room);
 
   std::vector<Supernode> supernodes_;
-  std::vector<int> rows_;
+  std::vector<int> rows_;  // places of vertices
   std::vector<float> values_;
-  std::vector<int> places_;  // of each permuted unknown among 3 numbers a vertex
+  std::vector<int> order_;  // the vertex of each place
   std::vector<float> permuted_, column_room_, row_room_;
 };
 
