@@ -244,7 +244,7 @@ TEST(StepSolver, AWornPatchIsFactoredAnew) {
 
 // The next factor is of the body as it lies: until it moves on, nothing is left to iterate.
 TEST(StepSolver, AFactorTakenOverIsExact) {
-  PolyhedralMesh mesh = makeTetBeam(4);
+  PolyhedralMesh mesh = makeTetBeam(6);
   BodySystem system(mesh);
   SolverConfig config = withKind(SolverKind::kFactor, 1e-4, Precision::kAuto);
   config.refresh_after_steps = 4;
