@@ -27,8 +27,8 @@ bool isFinite(const std::vector<Scalar>& values) {
   return zero == 0;
 }
 
-/// Where less than this part of a diagonal entry is left, single precision may have left its rounding.
-constexpr float kSmallestSinglePivot = 1e-5F;
+/// Where less than this part of a diagonal entry is left, single precision may have left its rounding alone.
+constexpr float kSmallestSinglePivot = 1e-6F;
 
 }  // namespace
 

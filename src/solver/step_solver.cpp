@@ -25,8 +25,9 @@ namespace {
 constexpr std::size_t kFewVertices = 6000;
 /// Where stiffness is less than this many times the mass in the matrix, diagonal blocks need few iterations.
 constexpr double kMildStiffness = 4;
-/// A patch of more than this part of the factor's vertices costs as much as it saves.
-constexpr double kLargestPatch = 0.2;
+/// A patch of more than this part of the factor's vertices costs as much as it saves, sooner one that each
+/// further cut makes larger.
+constexpr double kLargestPatch = 0.35, kLargestGrown = 0.2;
 /// Contacts so stiff that single precision does not hold them in the factor: what takes more iterations than
 /// this costs more than factoring the matrix does.
 constexpr int kMostForContacts = 30;
@@ -34,7 +35,7 @@ constexpr int kMostForContacts = 30;
 /// have turned since, or the whole body.
 constexpr double kMostADigitWithPatch = 6;
 /// Where steps with a patch take more iterations than this, as beside a slit that opens wide, or the patch is
-/// half as large as it may be, the next factor is taken over after as many steps as one takes to be made.
+/// larger than it may grow, the next factor is taken over after as many steps as one takes to be made.
 constexpr int kManyWithPatch = 12, kSoonestFactor = 4;
 /// Where aggregates take more iterations than this, by slivers or loose pieces, a factor is tried.
 constexpr int kManyIterations = 70;
@@ -59,8 +60,9 @@ double stiffnessOverMass(const RowPattern& pattern, const DifferenceMatrix<doubl
 struct StepSolver::Impl {
   SolverConfig config;
   bool is_restarted = true;
-  bool is_cut = false;    // since the last solve
-  bool is_stale = false;  // the factor is of the body before a cut, or there is none
+  bool is_cut = false;     // since the last solve
+  bool had_patch = false;  // the factor, before that
+  bool is_stale = false;   // the factor is of the body before a cut, or there is none
   int stale_steps = 0;
   int last_iterations = 0;
   bool has_stiff_contacts = false;  // from the step on that found it, until nothing touches
@@ -213,7 +215,7 @@ void StepSolver::Impl::refresh(StepSystem& system) {
     }
     factors.begin(bodyForFactor(system));
   }
-  const bool is_hard = last_iterations > kManyWithPatch || hasPatchOf(kLargestPatch / 2);
+  const bool is_hard = last_iterations > kManyWithPatch || hasPatchOf(kLargestGrown);
   if (stale_steps >
       (is_hard ? std::min(kSoonestFactor, config.refresh_after_steps) : config.refresh_after_steps))
     takeNextFactor();
@@ -244,8 +246,9 @@ bool StepSolver::Impl::hasPatchOf(double part) const {
 
 // Where cuts have touched too much, a step waits for the factor that is under way, or for one of its own.
 void StepSolver::Impl::replaceLargePatch(StepSystem& system) {
-  if (hasPatchOf(kLargestPatch) && factors.isUnderWay()) takeNextFactor();
-  if (hasPatchOf(kLargestPatch)) makeFactorAtOnce(system);
+  const double largest = had_patch ? kLargestGrown : kLargestPatch;
+  if (hasPatchOf(largest) && factors.isUnderWay()) takeNextFactor();
+  if (hasPatchOf(largest)) makeFactorAtOnce(system);
 }
 
 void StepSolver::Impl::renewPatchOrFactor(StepSystem& system) {
@@ -507,6 +510,7 @@ void StepSolver::restart() {
 void StepSolver::follow(const std::vector<AddedVertex>& added, const std::vector<int>& touched) {
   Impl& s = *impl_;
   if (s.is_restarted) return;
+  if (!s.is_cut) s.had_patch = s.hasPatchOf(0);
   s.is_cut = true;
   if (s.kind == SolverKind::kFactor && !s.is_stale) {
     s.is_stale = true;
