@@ -227,7 +227,7 @@ template <class Scalar>
 SolveStatus factorMultifrontal(const SymbolicFactor& symbolic, const BlockPattern& pattern,
                                const Blocks& blocks, const std::vector<PanelPlace>& panels,
                                Scalar smallest_pivot, std::vector<Scalar>& values) {
-  const OneThread one_thread;
+  keepBlasToOneThread();
   Fronts<Scalar> fronts(symbolic, pattern, blocks);
   for (std::size_t s = 0; s < symbolic.supernodes.size(); ++s) {
     const SolveStatus status = fronts.factor(s, panels[s], smallest_pivot, &values[panels[s].first_value]);

@@ -32,10 +32,14 @@ bool canLimitDepth() {
 
 }  // namespace
 
-OneThread::OneThread() {
+void keepBlasToOneThread() {
   static const auto set_blas_threads = findInProcess<void (*)(int)>("openblas_set_num_threads");
   static const auto get_blas_threads = findInProcess<int (*)()>("openblas_get_num_threads");
   if (set_blas_threads && get_blas_threads && get_blas_threads() != 1) set_blas_threads(1);
+}
+
+OneThread::OneThread() {
+  keepBlasToOneThread();
   if (!canLimitDepth()) return;
   depth_before_ = getDepth()();
   setDepth()(0);

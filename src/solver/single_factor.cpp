@@ -2,6 +2,7 @@
 #include "polyscalpel/solver/single_factor.hpp"
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 #include <Eigen/Core>
@@ -49,7 +50,7 @@ void SingleFactor::invertDiagonal(const Supernode& node, Scalar* panel, std::vec
 
 template <class Scalar>
 SolveStatus SingleFactor::fill(const SymbolicFactor& symbolic, const BlockPattern& pattern,
-                               const Blocks& blocks, Scalar smallest_pivot, std::vector<Scalar>& values) {
+                               const Blocks& blocks, Scalar smallest_pivot, std::vector<Scalar>& values) try {
   std::vector<PanelPlace> panels;
   std::size_t size = 0;
   for (const Supernode& node : supernodes_) {
@@ -62,6 +63,8 @@ SolveStatus SingleFactor::fill(const SymbolicFactor& symbolic, const BlockPatter
   std::vector<Scalar> room;
   for (const Supernode& node : supernodes_) invertDiagonal(node, &values[node.first_value], room);
   return isFinite(values) ? SolveStatus::kSolved : SolveStatus::kNotFinite;
+} catch (const std::bad_alloc&) {
+  return SolveStatus::kOutOfMemory;
 }
 
 SolveStatus SingleFactor::factorise(const BlockPattern& pattern, const Blocks& blocks,
@@ -93,7 +96,7 @@ SolveStatus SingleFactor::factorise(SymbolicFactor symbolic, const BlockPattern&
     supernodes_.push_back(node);
   }
   SolveStatus status = fill(symbolic, pattern, blocks, kSmallestSinglePivot, values_);
-  if (status != SolveStatus::kSolved) {
+  if (status == SolveStatus::kNotPositiveDefinite || status == SolveStatus::kNotFinite) {
     std::vector<double> values;
     status = fill(symbolic, pattern, blocks, 0.0, values);
     std::copy(values.begin(), values.end(), values_.begin());

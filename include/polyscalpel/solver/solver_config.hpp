@@ -32,7 +32,7 @@ struct SolverConfig {
   /// norm of A, is below this.
   std::optional<double> error_target;
   int max_iterations = 500;  ///< in [1, 100000]
-  int projection = 3;        ///< in [0, 20]: earlier solutions that a step starts from
+  int projection = 4;        ///< in [0, 20]: earlier solutions that a step starts from
   Precision precision = Precision::kAuto;
   int threads = 1;  ///< in [1, 256]; the same bits for any number
   /// In (0, 1e6] ms: if given, conjugate gradients end once a step has taken this long, with the error that
