@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
+#include "polyscalpel/core/quad.hpp"
 #include "vertex_turns.hpp"
 
 namespace polyscalpel {
@@ -28,6 +30,15 @@ void addBetween(const Eigen::Vector3d& arm_i, const Eigen::Matrix3d& A, const Ei
   block.topRightCorner<3, 3>() += turned;
   block.bottomLeftCorner<3, 3>().noalias() += back * A;
   block.bottomRightCorner<3, 3>().noalias() += back * turned;
+}
+
+/// Of points, their fourth components being bystanders.
+Quad<float> crossProduct(const Quad<float>& a, const Quad<float>& b) {
+  return pick<1, 2, 0, 3>(a, a) * pick<2, 0, 1, 3>(b, b) - pick<2, 0, 1, 3>(a, a) * pick<1, 2, 0, 3>(b, b);
+}
+
+void storeQuad(float* to, const Quad<float>& quad) {
+  std::memcpy(to, &quad, sizeof quad);
 }
 
 }  // namespace
@@ -132,9 +143,10 @@ SolveStatus AggregatePreconditioner::make(const RowPattern& pattern,
     middle_of_group_.push_back(nearest);
   }
   group_rotations_.resize(9 * static_cast<std::size_t>(num_groups_));
-  arms_.resize(arms.size());
+  arms_.assign(paddedSize(pattern.numVertices()), 0.0F);
   Eigen::Map<Eigen::VectorXf>(arms_.data(), arms.size()) = arms.reshaped().cast<float>();
   coarse_values_.assign(6 * static_cast<std::size_t>(num_groups_), 0.0F);
+  group_sums_.assign(8 * static_cast<std::size_t>(num_groups_), 0.0F);
 
   // P^T A_0 P on and below the diagonal, column by column; two block rows a group.
   BlockPattern coarse;
@@ -219,29 +231,24 @@ SolveStatus AggregatePreconditioner::holdCoarse(const std::vector<Hold>& holds) 
 }
 
 void AggregatePreconditioner::apply(const float* residual, float* result) {
-  std::fill(coarse_values_.begin(), coarse_values_.end(), 0.0F);
-  for (const int i : *active_) {
-    const float* const r = residual + 3 * i;
-    const float* const arm = &turned_arms_[3 * i];
-    float* const sum = &coarse_values_[6 * group_[i]];
-    for (int c = 0; c < 3; ++c) sum[c] += r[c];
-    sum[3] += arm[1] * r[2] - arm[2] * r[1];
-    sum[4] += arm[2] * r[0] - arm[0] * r[2];
-    sum[5] += arm[0] * r[1] - arm[1] * r[0];
+  std::fill(group_sums_.begin(), group_sums_.end(), 0.0F);
+  for (const std::ptrdiff_t i : *active_) {
+    const Quad<float> r = loadQuad(residual + 3 * i), arm = loadQuad(&turned_arms_[3 * i]);
+    float* const sum = &group_sums_[8 * static_cast<std::ptrdiff_t>(group_[i])];
+    storeQuad(sum, loadQuad(sum) + r);
+    storeQuad(sum + 4, loadQuad(sum + 4) + crossProduct(arm, r));
   }
   for (int half = 0; half < 2 * num_groups_; ++half)
-    turnBack(&group_rotations_[9 * (half / 2)], &coarse_values_[3 * half], &coarse_values_[3 * half]);
+    turnBack(&group_rotations_[9 * (half / 2)], &group_sums_[4 * half], &coarse_values_[3 * half]);
   if (num_groups_ > 0) coarse_.solve(coarse_values_.data());
   for (int half = 0; half < 2 * num_groups_; ++half)
-    turn(&group_rotations_[9 * (half / 2)], &coarse_values_[3 * half], &coarse_values_[3 * half]);
+    turn(&group_rotations_[9 * (half / 2)], &coarse_values_[3 * half], &group_sums_[4 * half]);
   jacobi_.apply(residual, result);
-  for (const int i : *active_) {
-    const float* const u = &coarse_values_[6 * group_[i]];
-    const float* const arm = &turned_arms_[3 * i];
+  for (const std::ptrdiff_t i : *active_) {
+    const float* const motion = &group_sums_[8 * static_cast<std::ptrdiff_t>(group_[i])];
+    const Quad<float> arm = loadQuad(&turned_arms_[3 * i]);
     float* const z = result + 3 * i;
-    z[0] += u[0] + u[4] * arm[2] - u[5] * arm[1];
-    z[1] += u[1] + u[5] * arm[0] - u[3] * arm[2];
-    z[2] += u[2] + u[3] * arm[1] - u[4] * arm[0];
+    storeThree(z, Quad<float>(loadQuad(z) + loadQuad(motion) + crossProduct(loadQuad(motion + 4), arm)));
   }
 }
 

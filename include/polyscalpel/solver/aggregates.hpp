@@ -61,6 +61,7 @@ class AggregatePreconditioner final : public Preconditioner {
   std::vector<float> turned_arms_;    // as the body lies
   std::vector<int> middle_of_group_;  // a vertex
   std::vector<float> group_rotations_, coarse_values_;  // 9 and 6 a group
+  std::vector<float> group_sums_;  // force and moment, then shift and turn, 4 numbers each
   const std::vector<int>* active_ = nullptr;
 };
 
