@@ -68,9 +68,8 @@ SolveStatus SingleFactor::fill(const SymbolicFactor& symbolic, const BlockPatter
 }
 
 SolveStatus SingleFactor::factorise(const BlockPattern& pattern, const Blocks& blocks,
-                                    const std::vector<bool>& fixed) {
+                                    const std::vector<bool>& fixed, Ordering ordering) {
   SymbolicFactor symbolic;
-  Ordering ordering = Ordering::kUndecided;
   const SolveStatus status = analyse(pattern, fixed, ordering, symbolic);
   return status == SolveStatus::kSolved ? factorise(std::move(symbolic), pattern, blocks) : status;
 }

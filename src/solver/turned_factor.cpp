@@ -156,8 +156,8 @@ SolveStatus TurnedFactor::factorPatch() {
   left_.assign(paddedSize(pattern_->numVertices()), 0.0F);
   is_patch_factored_ = true;
   if (patch_active_.empty()) return SolveStatus::kSolved;
-  const SolveStatus status =
-      patch_factor_.factorise(pattern, blocks, std::vector<bool>(patch_active_.size(), false));
+  const SolveStatus status = patch_factor_.factorise(
+      pattern, blocks, std::vector<bool>(patch_active_.size(), false), Ordering::kMinimumDegree);
   // Between two corrections by S the coarse one keeps B positive only where no eigenvalue of S A reaches 2;
   // slivers may be too much for single precision. Added up, S and the coarse one are always positive.
   constexpr double kExact = 1.3;

@@ -19,7 +19,8 @@ class SingleFactor {
  public:
   /// Orders, analyses and factors in single precision, where that is not enough in double. fixed: one flag a
   /// vertex. Empty unless the status is kSolved.
-  SolveStatus factorise(const BlockPattern& pattern, const Blocks& blocks, const std::vector<bool>& fixed);
+  SolveStatus factorise(const BlockPattern& pattern, const Blocks& blocks, const std::vector<bool>& fixed,
+                        Ordering ordering = Ordering::kUndecided);
   /// The same with the analysis given.
   SolveStatus factorise(SymbolicFactor symbolic, const BlockPattern& pattern, const Blocks& blocks);
 
