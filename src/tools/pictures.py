@@ -40,6 +40,22 @@ def wait_until(condition, what, children, timeout_s=60):
         time.sleep(0.1)
 
 
+def play(children, command, timeout_s=600):
+    """Runs rosbag play, which waits for ever where the master goes with an rviz that dies."""
+    player = children.start("rosbag_play", command)
+    deadline = time.monotonic() + timeout_s
+    while player.poll() is None:
+        ended = children.ended()
+        if ended and player.poll() is None:
+            raise PictureError(f"{ended[0]} ended with status {ended[1]}, see {children.log_path(ended[0])}")
+        if time.monotonic() > deadline:
+            raise PictureError(f"rosbag play took more than {timeout_s} s")
+        time.sleep(0.1)
+    if player.returncode != 0:
+        raise PictureError(f"rosbag play ended with status {player.returncode}, see {children.log_path('rosbag_play')}")
+    children.stop(player)
+
+
 def start_screen(children):
     """A virtual screen; returns its name for DISPLAY. The server itself picks a number that is free."""
     reading, writing = os.pipe()
@@ -119,6 +135,6 @@ def make_pictures(children, bag, pictures, view=None, has_table=True):
         command = ["rosbag", "play", "--quiet", "--clock", "--hz=100", "--rate=2", "--delay=1", f"--start={start_s}"]
         if end_s is not None:
             command.append(f"--duration={end_s - start_s}")
-        run(command + [bag], "rosbag play", 600, stdin=subprocess.DEVNULL)
+        play(children, command + [bag])
         take(path, environment)
         start_s = end_s
