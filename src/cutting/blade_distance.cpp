@@ -69,7 +69,7 @@ bool isPartedFrom(const PolyhedralMesh& mesh, CellId id, const Positions& positi
     largest = largest.cwiseMax(positions.col(v.index()).cwiseAbs());
   }
   in_hull /= static_cast<double>(vertices.size());
-  const double clearance = distance + kRounding * (distance + largest.maxCoeff());
+  const double clearance = atLeast(distance, largest.maxCoeff());
   for (int round = 0; round < kPartingRounds; ++round) {
     const Vector3d on_segment = p + closestParameter(in_hull, p, q) * (q - p);
     const double way = (in_hull - on_segment).norm();
@@ -189,9 +189,18 @@ std::vector<VertexId> frontAtBlade(const PolyhedralMesh& mesh, const CellTree& t
   return vertices;
 }
 
+double atLeast(double distance, double largest_coordinate) {
+  return distance + kRounding * (distance + largest_coordinate);
+}
+
 bool meets(AlignedBox3d box, const Positions& blade, double distance) {
-  box.min().array() -= distance;
-  box.max().array() += distance;
+  // An empty box stays empty.
+  if (box.isEmpty()) return false;
+  const double coordinate = std::max(
+      {box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff(), blade.cwiseAbs().maxCoeff()});
+  const double reach = atLeast(distance, coordinate);
+  box.min().array() -= reach;
+  box.max().array() += reach;
   for (Eigen::Index i = 0; i + 1 < blade.cols(); ++i) {
     if (meets(box, blade.col(i), blade.col(i + 1))) return true;
   }

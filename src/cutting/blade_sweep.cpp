@@ -183,10 +183,14 @@ class Sweep {
   }
 
   /// Whether blade and edge may meet, wherever they lie along the axes: the sub-steps depend on these edges.
+  /// A blade that ends its way on an edge is exactly as far from it as it goes; whether it has crossed it is
+  /// for the exact predicates to say.
   bool isInReach(const Edge& edge, const Matrix3Xd& blade, double travel) const {
     const Vector3d a = motion_.positions_start.col(edge.first.index()),
                    b = motion_.positions_start.col(edge.second.index());
-    const double reach = travel + std::max(driftOf(edge.first), driftOf(edge.second));
+    const double coordinate =
+        std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), blade.cwiseAbs().maxCoeff()});
+    const double reach = atLeast(travel + std::max(driftOf(edge.first), driftOf(edge.second)), coordinate);
     for (Eigen::Index i = 0; i + 1 < blade.cols(); ++i) {
       if (closestPointsOfSegments(a, b, blade.col(i), blade.col(i + 1)).squared_distance <= reach * reach)
         return true;
