@@ -55,7 +55,7 @@ bool CellSplit::divide(int cut, const BorderSides* sides) {
   std::vector<std::vector<VertexId>> facets;
   for (const Apexes apexes : {Apexes::kVertexMeans, Apexes::kStarCentres}) {
     const auto former = std::move(facets);
-    facets = makeFacets(apexes, sides_of_loop, cut == 0 && !sides ? Bays::kKept : Bays::kDivided);
+    facets = makeFacets(apexes, sides_of_loop);
     if (facets == former) break;
     editor_.rollBackTo(savepoint);
     const auto split = editor_.splitCell(cell_, first_faces_, facets, cut);
@@ -67,13 +67,13 @@ bool CellSplit::divide(int cut, const BorderSides* sides) {
   return false;
 }
 
-std::vector<std::vector<VertexId>> CellSplit::makeFacets(Apexes apexes, const std::vector<int>& sides_of_loop,
-                                                         Bays bays) const {
+std::vector<std::vector<VertexId>> CellSplit::makeFacets(Apexes apexes,
+                                                         const std::vector<int>& sides_of_loop) const {
   if (cap_loop_.size() == 3) return {cap_loop_};  // needs no apexes
   const auto apexOf = [&](bool is_first) {
     return apexes == Apexes::kVertexMeans ? vertexMeanOfPart(is_first) : starCentreOfPart(is_first);
   };
-  return makeCapFacets(mesh(), cap_loop_, apexOf(true), apexOf(false), sides_of_loop, bays);
+  return makeCapFacets(mesh(), cap_loop_, apexOf(true), apexOf(false), sides_of_loop);
 }
 
 bool CellSplit::splitCrossedEdges() {

@@ -62,8 +62,7 @@ class CellSplit {
   bool findCap();
   /// From where the two parts are to see the cap.
   enum class Apexes { kVertexMeans, kStarCentres };
-  std::vector<std::vector<VertexId>> makeFacets(Apexes apexes, const std::vector<int>& sides_of_loop,
-                                                Bays bays) const;
+  std::vector<std::vector<VertexId>> makeFacets(Apexes apexes, const std::vector<int>& sides_of_loop) const;
   Eigen::Vector3d vertexMeanOfPart(bool is_first) const;
   Eigen::Vector3d starCentreOfPart(bool is_first) const;
   bool joinsSides(const BorderSides& sides) const;
