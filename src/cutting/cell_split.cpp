@@ -82,13 +82,13 @@ bool CellSplit::splitCrossedEdges() {
     if (first_in == second_in || isOnCut(first_in ? edge.second : edge.first)) continue;
     const CrossedEdge* crossed = crossings_.find(cell_, edge);
     POLYSCALPEL_ASSERT(crossed);
-    // A vertex on an edge that is shut between two walls of a slit would join what nothing else joins.
-    if (numFansAroundEdge(mesh(), edge.first, edge.second) > 1) return false;
+    const bool is_shut = numFansAroundEdge(mesh(), edge.first, edge.second) > 1;
     side_votes_ += crossed->sideAt(first_in);
     const double weight = std::clamp(crossed->weightAt(first_in), kSmallestEdgePart, 1 - kSmallestEdgePart);
     const VertexId middle = editor_.splitEdge(edge.first, edge.second, weight);
     for (const CellId around : cellsAround(mesh(), middle)) touched_.insert(around);
     middles_.insert(middle);
+    if (is_shut) shared_middles_.push_back(middle);
     split_edges_.emplace_back(edge, middle);
   }
   return true;
