@@ -194,13 +194,8 @@ double atLeast(double distance, double largest_coordinate) {
 }
 
 bool meets(AlignedBox3d box, const Positions& blade, double distance) {
-  // An empty box stays empty.
-  if (box.isEmpty()) return false;
-  const double coordinate = std::max(
-      {box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff(), blade.cwiseAbs().maxCoeff()});
-  const double reach = atLeast(distance, coordinate);
-  box.min().array() -= reach;
-  box.max().array() += reach;
+  box.min().array() -= distance;
+  box.max().array() += distance;
   for (Eigen::Index i = 0; i + 1 < blade.cols(); ++i) {
     if (meets(box, blade.col(i), blade.col(i + 1))) return true;
   }

@@ -40,7 +40,7 @@ std::vector<VertexId> frontAtBlade(const PolyhedralMesh& mesh, const CellTree& t
 double atLeast(double distance, double largest_coordinate);
 
 /// Whether any segment of the polyline comes nearer to the box than `distance` [m] along some axis; true
-/// wherever a point of the box is within `distance` of it, whatever is rounded.
+/// wherever a point of the box is within `distance` of it, but for rounding (atLeast()).
 bool meets(Eigen::AlignedBox3d box, const Eigen::Ref<const Eigen::Matrix3Xd>& blade, double distance);
 
 }  // namespace polyscalpel
