@@ -69,7 +69,7 @@ bool isPartedFrom(const PolyhedralMesh& mesh, CellId id, const Positions& positi
     largest = largest.cwiseMax(positions.col(v.index()).cwiseAbs());
   }
   in_hull /= static_cast<double>(vertices.size());
-  const double clearance = distance + kRounding * (distance + largest.maxCoeff());
+  const double clearance = atLeast(distance, largest.maxCoeff());
   for (int round = 0; round < kPartingRounds; ++round) {
     const Vector3d on_segment = p + closestParameter(in_hull, p, q) * (q - p);
     const double way = (in_hull - on_segment).norm();
@@ -187,6 +187,10 @@ std::vector<VertexId> frontAtBlade(const PolyhedralMesh& mesh, const CellTree& t
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   return vertices;
+}
+
+double atLeast(double distance, double largest_coordinate) {
+  return distance + kRounding * (distance + largest_coordinate);
 }
 
 bool meets(AlignedBox3d box, const Positions& blade, double distance) {

@@ -118,6 +118,11 @@ double longestWay(const Matrix3Xd& edge_tool, const Isometry3d& T_start, const I
          (T_end.translation() - T_start.translation()).norm();
 }
 
+/// The travel of a blade, by so much larger that rounding takes nothing away that it reaches.
+double reachOfMotion(const Matrix3Xd& blade, double travel) {
+  return atLeast(travel, blade.cwiseAbs().maxCoeff() + travel);
+}
+
 /// One sub-step of a blade's motion, cut out of the whole step by fractions.
 class Sweep {
  public:
@@ -126,7 +131,9 @@ class Sweep {
     const Matrix3Xd start = bladeAt(0);
     const double travel = longestWay(motion.edge_tool, motion.T_world_tool_start, motion.T_world_tool_end);
     edges_ = edgesNear(mesh, tree, motion.positions_start, motion.positions_end,
-                       [&](const AlignedBox3d& box) { return meets(box, start, travel); });
+                       [&, reach = reachOfMotion(start, travel)](const AlignedBox3d& box) {
+                         return meets(box, start, reach);
+                       });
     edges_.erase(std::remove_if(edges_.begin(), edges_.end(),
                                 [&](const Edge& edge) { return !isInReach(edge, start, travel); }),
                  edges_.end());
@@ -148,7 +155,7 @@ class Sweep {
   void findHits(double from, double to, int halvings_left, std::vector<Hit>& hits) const {
     if (edges_.empty()) return;
     const Matrix3Xd blade_start = bladeAt(from), blade_end = bladeAt(to);
-    const double travel = (blade_end - blade_start).colwise().norm().maxCoeff();
+    const double reach = reachOfMotion(blade_start, (blade_end - blade_start).colwise().norm().maxCoeff());
 
     std::vector<Hit> found;
     for (const Edge& edge : edges_) {
@@ -158,7 +165,7 @@ class Sweep {
                      b_end = moves_ ? positionAt(b, to) : b_start;
       AlignedBox3d box(a_start.cwiseMin(b_start), a_start.cwiseMax(b_start));
       if (moves_) box.extend(a_end).extend(b_end);
-      if (!meets(box, blade_start, travel)) continue;
+      if (!meets(box, blade_start, reach)) continue;
 
       SignedSum sum;
       const EdgeMotion way{a_start, b_start, a_end, b_end};
@@ -183,10 +190,14 @@ class Sweep {
   }
 
   /// Whether blade and edge may meet, wherever they lie along the axes: the sub-steps depend on these edges.
+  /// A blade that ends its way on an edge is exactly as far from it as it goes; whether it has crossed it is
+  /// for the exact predicates to say.
   bool isInReach(const Edge& edge, const Matrix3Xd& blade, double travel) const {
     const Vector3d a = motion_.positions_start.col(edge.first.index()),
                    b = motion_.positions_start.col(edge.second.index());
-    const double reach = travel + std::max(driftOf(edge.first), driftOf(edge.second));
+    const double coordinate =
+        std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), blade.cwiseAbs().maxCoeff()});
+    const double reach = atLeast(travel + std::max(driftOf(edge.first), driftOf(edge.second)), coordinate);
     for (Eigen::Index i = 0; i + 1 < blade.cols(); ++i) {
       if (closestPointsOfSegments(a, b, blade.col(i), blade.col(i + 1)).squared_distance <= reach * reach)
         return true;

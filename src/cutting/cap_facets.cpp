@@ -23,9 +23,9 @@ constexpr double kMostCost = 1e30;
 /// A sub-tet below this part of the largest counts as flat or folded.
 constexpr double kSmallestWorth = 1e-6;
 
-/// Whether the loop is planar and, where bays are divided, convex. A fan around the mean of its corners may
-/// bear a bay, but not those of the two parts in which a later cut leaves it.
-bool isOneFace(const Eigen::Matrix3Xd& points, Bays bays) {
+/// Whether the loop is planar and convex. A fan around the mean of its corners may bear a bay, but not those
+/// of the two parts in which a later cut leaves it.
+bool isOneFace(const Eigen::Matrix3Xd& points) {
   const Vector3d mean = points.rowwise().mean();
   Vector3d area = Vector3d::Zero();
   const Eigen::Index n = points.cols();
@@ -40,7 +40,6 @@ bool isOneFace(const Eigen::Matrix3Xd& points, Bays bays) {
   const double rounding = kRoundings * std::numeric_limits<double>::epsilon() * points.cwiseAbs().maxCoeff();
   const double limit = std::max(kPlanar * extent, rounding);
   if (bend > limit) return false;
-  if (bays == Bays::kKept) return true;
   for (Eigen::Index i = 0; i < n; ++i) {
     const Vector3d here = arms.col((i + 1) % n);
     const Vector3d before = here - arms.col(i), after = arms.col((i + 2) % n) - here;
@@ -69,11 +68,11 @@ double rankOf(VertexId a, VertexId b, VertexId c) {
 std::vector<std::vector<VertexId>> makeCapFacets(const PolyhedralMesh& mesh,
                                                  const std::vector<VertexId>& cap_loop,
                                                  const Vector3d& apex_behind, const Vector3d& apex_before,
-                                                 const std::vector<int>& sides, Bays bays) {
+                                                 const std::vector<int>& sides) {
   const int n = static_cast<int>(cap_loop.size());
   Eigen::Matrix3Xd points(3, n);
   for (int i = 0; i < n; ++i) points.col(i) = mesh.restPosition(cap_loop[i]);
-  if (n == 3 || isOneFace(points, bays)) return {cap_loop};
+  if (n == 3 || isOneFace(points)) return {cap_loop};
 
   // Sixfold volume of the smaller sub-tet on a triangle, as part of the largest that may be.
   const double largest = (points.colwise() - points.rowwise().mean()).colwise().squaredNorm().maxCoeff() *

@@ -55,7 +55,7 @@ bool CellSplit::divide(int cut, const BorderSides* sides) {
   std::vector<std::vector<VertexId>> facets;
   for (const Apexes apexes : {Apexes::kVertexMeans, Apexes::kStarCentres}) {
     const auto former = std::move(facets);
-    facets = makeFacets(apexes, sides_of_loop, cut == 0 && !sides ? Bays::kKept : Bays::kDivided);
+    facets = makeFacets(apexes, sides_of_loop);
     if (facets == former) break;
     editor_.rollBackTo(savepoint);
     const auto split = editor_.splitCell(cell_, first_faces_, facets, cut);
@@ -67,13 +67,13 @@ bool CellSplit::divide(int cut, const BorderSides* sides) {
   return false;
 }
 
-std::vector<std::vector<VertexId>> CellSplit::makeFacets(Apexes apexes, const std::vector<int>& sides_of_loop,
-                                                         Bays bays) const {
+std::vector<std::vector<VertexId>> CellSplit::makeFacets(Apexes apexes,
+                                                         const std::vector<int>& sides_of_loop) const {
   if (cap_loop_.size() == 3) return {cap_loop_};  // needs no apexes
   const auto apexOf = [&](bool is_first) {
     return apexes == Apexes::kVertexMeans ? vertexMeanOfPart(is_first) : starCentreOfPart(is_first);
   };
-  return makeCapFacets(mesh(), cap_loop_, apexOf(true), apexOf(false), sides_of_loop, bays);
+  return makeCapFacets(mesh(), cap_loop_, apexOf(true), apexOf(false), sides_of_loop);
 }
 
 bool CellSplit::splitCrossedEdges() {
@@ -82,13 +82,13 @@ bool CellSplit::splitCrossedEdges() {
     if (first_in == second_in || isOnCut(first_in ? edge.second : edge.first)) continue;
     const CrossedEdge* crossed = crossings_.find(cell_, edge);
     POLYSCALPEL_ASSERT(crossed);
-    // A vertex on an edge that is shut between two walls of a slit would join what nothing else joins.
-    if (numFansAroundEdge(mesh(), edge.first, edge.second) > 1) return false;
+    const bool is_shut = numFansAroundEdge(mesh(), edge.first, edge.second) > 1;
     side_votes_ += crossed->sideAt(first_in);
     const double weight = std::clamp(crossed->weightAt(first_in), kSmallestEdgePart, 1 - kSmallestEdgePart);
     const VertexId middle = editor_.splitEdge(edge.first, edge.second, weight);
     for (const CellId around : cellsAround(mesh(), middle)) touched_.insert(around);
     middles_.insert(middle);
+    if (is_shut) shared_middles_.push_back(middle);
     split_edges_.emplace_back(edge, middle);
   }
   return true;

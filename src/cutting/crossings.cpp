@@ -411,6 +411,17 @@ void Crossings::snapBetween(const NewVertex& origin) {
   snaps_[origin.vertex] = std::move(snap);
 }
 
+void Crossings::recordSide(const PolyhedralMesh& mesh, VertexId vertex, int side) {
+  for (const VertexId other : neighboursOf(mesh, vertex)) {
+    const auto snap = snaps_.find(other);
+    if (snap == snaps_.end()) continue;
+    auto& neighbours = snap->second.neighbours;
+    if (std::none_of(neighbours.begin(), neighbours.end(),
+                     [&](const auto& neighbour) { return neighbour.first == vertex; }))
+      neighbours.emplace_back(vertex, side);
+  }
+}
+
 void Crossings::inheritNeighbour(VertexId snapped, VertexId neighbour, VertexId heir) {
   const auto snap = snaps_.find(snapped);
   if (snap == snaps_.end()) return;

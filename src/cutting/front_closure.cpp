@@ -33,6 +33,8 @@ constexpr double kFrontSnap = 0.5;
 
 /// Relative difference of the distances to two segments that meet in the corner nearest to a point: rounding.
 constexpr double kSameCorner = 1e-9;
+/// A section that is no further from the front than this, in localSize, lies on it: rounding.
+constexpr double kOnFront = 1e-9;
 
 struct Plane {
   Vector3d point, normal;
@@ -244,9 +246,9 @@ std::optional<Vector3d> middleOfSection(const PolyhedralMesh& mesh, const Crossi
   return Vector3d(sum / count);
 }
 
-/// Whether a point of the surface's plane lies beyond the front, seen from the nearest point of that; where
-/// this is a corner, from the two segments that meet there.
-bool isBeyond(const std::vector<FrontSegment>& front, const Vector3d& point) {
+/// How far a point lies beyond the front [m], along the travel as seen from the nearest point of the front;
+/// where this is a corner, the sum for the two segments that meet there.
+double heightBeyond(const std::vector<FrontSegment>& front, const Vector3d& point) {
   double nearest = kInfinity, height = 0;
   for (const FrontSegment& segment : front) {
     const ClosestPoints closest =
@@ -259,7 +261,19 @@ bool isBeyond(const std::vector<FrontSegment>& front, const Vector3d& point) {
     const Vector3d outward = segment.travel_world - along.dot(segment.travel_world) * along;
     height += outward.normalized().dot(point - closest.second);
   }
-  return height > 0;
+  return height;
+}
+
+/// Whether a cell, whose section with the surface has this middle, lies beyond the front. A section that lies
+/// on the front, as a facet of a dividing face does whose corners are all snapped, tells nothing but by
+/// rounding: the cell itself is on one side of it.
+bool isBeyond(const PolyhedralMesh& mesh, const Positions& positions, const std::vector<FrontSegment>& front,
+              CellId id, const Vector3d& middle_of_section) {
+  const double height = heightBeyond(front, middle_of_section);
+  if (std::abs(height) >= kOnFront * mesh.localSize(id)) return height > 0;
+  Vector3d mean = Vector3d::Zero();
+  for (const VertexId v : mesh.cell(id).vertices) mean += positions.col(v.index());
+  return heightBeyond(front, mean / static_cast<double>(mesh.cell(id).vertices.size())) > 0;
 }
 
 }  // namespace
@@ -311,7 +325,7 @@ std::unordered_set<CellId> cellsBeyond(const PolyhedralMesh& mesh, const CellTre
     for (const CellId id : cellsNear(mesh, tree, segment, snap_tolerance)) {
       if (!known.insert(id).second) continue;
       const std::optional<Vector3d> middle = middleOfSection(mesh, crossings, positions, id);
-      if (middle && isBeyond(front, *middle)) beyond.insert(id);
+      if (middle && isBeyond(mesh, positions, front, id, *middle)) beyond.insert(id);
     }
   }
   return beyond;

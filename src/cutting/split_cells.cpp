@@ -15,8 +15,7 @@
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/cutting/border_sides.hpp"
 #include "polyscalpel/cutting/cell_split.hpp"
-#include "polyscalpel/cutting/plane_hit.hpp"
-#include "polyscalpel/geometry/predicates.hpp"
+#include "polyscalpel/cutting/dividing_planes.hpp"
 #include "polyscalpel/mesh/mesh_checks.hpp"
 #include "polyscalpel/mesh/surface.hpp"
 
@@ -35,16 +34,6 @@ constexpr double kInLine = 1e-9;
 constexpr int kMostDivisions = 3;
 /// Snap tolerance of the dividing plane, as part of that of the cut: such cells are small already.
 constexpr double kDivisionSnap = 0.1;
-
-/// A plane across a border.
-struct DividingPlane {
-  double along, across;  ///< its normal, in the border's longest and second principal axes
-  double shift;          ///< how far it lies off the border's middle, as part of the way to its end
-};
-/// In the order in which they are tried.
-constexpr DividingPlane kDividingPlanes[] = {{1, 0, 0},   {0, 1, 0},    {1, 1, 0},    {1, -1, 0},
-                                             {1, 0, 0.4}, {1, 0, -0.4}, {0, 1, 0.4},  {0, 1, -0.4},
-                                             {1, 1, 0.4}, {1, 1, -0.4}, {1, -1, 0.4}, {1, -1, -0.4}};
 
 /// The vertices of a cell that hang together through uncrossed edges; snapped vertices belong to none. Empty
 /// where there is but one such component, which is most often so.
@@ -159,6 +148,12 @@ class Splitter {
     openEdges(walls);
   }
 
+  /// Gives the sides of a slit vertices of their own where the cut crosses an edge that is shut between them.
+  /// Not before all cells around such an edge are split: they all have it under the same name.
+  void separateShutEdges() {
+    for (const VertexId vertex : shared_middles_) editor_.separateVertex(vertex);
+  }
+
   SplitCounts counts;
 
  private:
@@ -171,12 +166,14 @@ class Splitter {
     auto components = findComponents(mesh(), crossings_, cell);
     while (absorbInLine(cell, components)) components = findComponents(mesh(), crossings_, cell);
     if (splitOff(cell, components, parts)) return Outcome::kSplit;
+    dropEmpty(cell, components);
     for (const double reach : kAbsorbDistances) {
       while (components.size() > 1 &&
              (absorbBetween(cell) || absorbHanging(cell, components) || absorbFlat(cell, components, reach) ||
               absorbThin(cell, components, reach))) {
         components = findComponents(mesh(), crossings_, cell);
         if (splitOff(cell, components, parts)) return Outcome::kSplit;
+        dropEmpty(cell, components);
       }
       if (components.size() < 2) {
         crossings_.settle(cell);
@@ -201,6 +198,7 @@ class Splitter {
       crossings_.recordSplitCell(cell, split.first, split.second, split.capVertices(), split.firstSide(),
                                  components.size() == 2);
       followFaces(split.splitFaceParts());
+      follow(split.sharedMiddles());
       caps_.insert(split.cap.begin(), split.cap.end());
       parts.push_back(split.first);
       parts.push_back(split.second);
@@ -248,6 +246,10 @@ class Splitter {
     }
   }
 
+  void follow(const std::vector<VertexId>& shared_middles) {
+    shared_middles_.insert(shared_middles_.end(), shared_middles.begin(), shared_middles.end());
+  }
+
   /// Where the cap of a cell would be bent so much that a part does not see all its surface from any one
   /// point: divides the cell by a closed plane across the cap, whose parts are then split by flatter caps.
   /// Tries one plane after the other until nothing is left whole. Returns whether it did.
@@ -258,15 +260,15 @@ class Splitter {
     if (depth > 0) {
       // Part of such a trial: the first plane that divides it will do.
       for (const auto& component : components) {
-        for (const DividingPlane& plane : {kDividingPlanes[0], kDividingPlanes[1]}) {
+        for (const DividingPlane& plane : kFurtherDividingPlanes) {
           if (divideBy(plane, cell, component, depth)) return true;
         }
       }
       return false;
     }
-    const Progress before{crossings_, counts, caps_, face_parts_, divisions_};
+    const Progress before{crossings_, counts, caps_, face_parts_, shared_middles_, divisions_};
     const std::size_t savepoint = editor_.savepoint();
-    for (const DividingPlane& plane : kDividingPlanes) {
+    for (const DividingPlane& plane : dividingPlanes()) {
       for (const auto& component : components) {
         if (!divideBy(plane, cell, component, depth)) continue;
         if (counts.left_whole.size() == before.counts.left_whole.size()) return true;
@@ -275,6 +277,7 @@ class Splitter {
         counts = before.counts;
         caps_ = before.caps;
         face_parts_ = before.face_parts;
+        shared_middles_ = before.shared_middles;
         divisions_ = before.divisions;
       }
     }
@@ -293,7 +296,8 @@ class Splitter {
     const std::size_t divided = editor_.savepoint();
     Crossings plane;
     const double tolerance = kDivisionSnap * snap_tolerance_;
-    for (const Hit& hit : hitsAcross(cell, split.capLoop(), dividing)) plane.add(mesh(), hit, tolerance);
+    for (const Hit& hit : hitsAcross(mesh(), cell, split.capLoop(), dividing))
+      plane.add(mesh(), hit, tolerance);
     Splitter across(editor_, plane, tolerance, 0);
     across.most_divisions_ = 0;
     // An edge within the dividing face that goes from one side of the border to the other is crossed by
@@ -312,9 +316,15 @@ class Splitter {
     for (const NewVertex& vertex : change.new_vertices)
       crossings_.recordDividedEdge(mesh(), vertex, sides.isOnBorder(vertex.vertex));
     for (const NewVertex& vertex : change.new_vertices) crossings_.snapNear(mesh(), vertex.vertex, tolerance);
+    for (const NewVertex& vertex : change.new_vertices) {
+      if (sides.at(vertex.vertex) != 0)
+        crossings_.recordSide(mesh(), vertex.vertex, sides.at(vertex.vertex) * split.firstSide());
+    }
     crossings_.recordDividedCells(change);
     followFaces(split.splitFaceParts());
     followFaces(across.face_parts_);
+    follow(split.sharedMiddles());
+    follow(across.shared_middles_);
     for (const NewCell& part : change.new_cells) {
       divisions_[part.cell] = depth + 1;
       if (joinsSides(part.cell, sides)) counts.left_whole.push_back(part.cell);
@@ -344,37 +354,30 @@ class Splitter {
     return std::adjacent_find(edges.begin(), edges.end()) != edges.end();
   }
 
-  /// Hits of a cell's edges, in rest shape, on a plane across a border.
-  std::vector<Hit> hitsAcross(CellId cell, const std::vector<VertexId>& loop,
-                              const DividingPlane& plane) const {
-    Eigen::Matrix3Xd points(3, loop.size());
-    for (std::size_t i = 0; i < loop.size(); ++i) points.col(i) = mesh().restPosition(loop[i]);
-    Eigen::Vector3d middle = points.rowwise().mean();
-    points.colwise() -= middle;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(points * points.transpose());
-    // An axis has no sense of its own: it points to the later vertices, however the body lies.
-    Eigen::Vector3d to_later = Eigen::Vector3d::Zero();
-    for (std::size_t i = 0; i < loop.size(); ++i) to_later += loop[i].index() * points.col(i);
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-    for (const auto& [axis, part] : {std::make_pair(2, plane.along), std::make_pair(1, plane.across)}) {
-      const Eigen::Vector3d direction = axes.eigenvectors().col(axis);
-      normal += (direction.dot(to_later) < 0 ? -part : part) * direction;
-    }
-    normal.normalize();
-    middle += plane.shift * (normal.transpose() * points).cwiseAbs().maxCoeff() * normal;
-    std::vector<Hit> hits;
-    for (const Edge& edge : mesh().edges(cell)) {
-      const Eigen::Vector3d a = mesh().restPosition(edge.first), b = mesh().restPosition(edge.second);
-      const int side_a = sideOfPlane(a, middle, normal), side_b = sideOfPlane(b, middle, normal);
-      if (side_a == side_b) continue;
-      hits.push_back(hitOnPlane(edge, a, b, middle, normal, side_b));
-    }
-    return hits;
-  }
-
   /// Whether a component could join the cut: none of it lies on the cut already, for other cells.
   bool canJoin(const std::vector<VertexId>& component) const {
     return std::all_of(component.begin(), component.end(), [&](VertexId v) { return crossings_.canJoin(v); });
+  }
+
+  /// Forgets the components that no cut can part from the cell: vertices that hang in one straight edge,
+  /// which the surface crosses on both sides of them. A cap would fold up in that edge and enclose nothing.
+  void dropEmpty(CellId cell, std::vector<std::vector<VertexId>>& components) const {
+    if (components.size() < 2) return;
+    components.erase(std::remove_if(components.begin(), components.end(),
+                                    [&](const auto& component) { return hangsInOneEdge(cell, component); }),
+                     components.end());
+  }
+
+  bool hangsInOneEdge(CellId cell, const std::vector<VertexId>& component) const {
+    boost::container::small_vector<VertexId, 8> ends;  // beyond the component
+    std::size_t degrees = 0;
+    mesh().forEachEdge(cell, [&](VertexId a, VertexId b) {
+      const bool has_a = std::binary_search(component.begin(), component.end(), a),
+                 has_b = std::binary_search(component.begin(), component.end(), b);
+      degrees += has_a + has_b;
+      if (has_a != has_b) ends.push_back(has_a ? b : a);
+    });
+    return degrees == 2 * component.size() && ends.size() == 2 && areInLine(ends[0], component, ends[1]);
   }
 
   /// Lets a vertex join the cut that hangs in an edge between two corners of the cut, in line with them,
@@ -394,8 +397,7 @@ class Splitter {
       const Eigen::Vector3d from = mesh().restPosition(around[0]);
       const Eigen::Vector3d along = (mesh().restPosition(around[1]) - from).normalized();
       if (along.cross(mesh().restPosition(v) - from).norm() > kInLine * mesh().localSize(v)) continue;
-      const int side = crossings_.sideOfNeighbour(around[0], v);
-      crossings_.snap(mesh(), v, side != 0 ? side : crossings_.sideOfNeighbour(around[1], v), cell);
+      crossings_.snap(mesh(), v, sideBetween(around[0], {v}, around[1]), cell);
       return true;
     }
     return false;
@@ -417,13 +419,21 @@ class Splitter {
         std::vector<VertexId> between;
         for (std::size_t i = start + 1; i < end; ++i) between.push_back(loop[i % n]);
         if (!canJoin(between) || !areInLine(from, between, to)) continue;
-        int side = crossings_.sideOfNeighbour(from, between.front());
-        if (side == 0) side = crossings_.sideOfNeighbour(to, between.back());
+        const int side = sideBetween(from, between, to);
         for (const VertexId v : between) crossings_.snap(mesh(), v, side, cell);
         return true;
       }
     }
     return false;
+  }
+
+  /// Side of the blade's surface on which vertices lie between two corners of the cut, as these have it; 0
+  /// where they do not agree: then nothing tells, and neither end may speak for the vertices' own neighbours.
+  int sideBetween(VertexId from, const std::vector<VertexId>& between, VertexId to) const {
+    const int first = crossings_.sideOfNeighbour(from, between.front()),
+              second = crossings_.sideOfNeighbour(to, between.back());
+    if (first == 0 || first == second) return second;
+    return second == 0 ? first : 0;
   }
 
   /// Whether all vertices lie on the straight line between two others.
@@ -532,6 +542,7 @@ class Splitter {
     SplitCounts counts;
     std::set<FaceId> caps;
     FaceParts face_parts;
+    std::vector<VertexId> shared_middles;
     std::unordered_map<CellId, int> divisions;
   };
 
@@ -539,8 +550,9 @@ class Splitter {
   Crossings& crossings_;
   double snap_tolerance_;
   int cut_;
-  std::set<FaceId> caps_;  // closed as yet
-  FaceParts face_parts_;   // of all faces divided so far
+  std::set<FaceId> caps_;                 // closed as yet
+  FaceParts face_parts_;                  // of all faces divided so far
+  std::vector<VertexId> shared_middles_;  // see CellSplit
   std::unordered_map<CellId, int> divisions_;
   int most_divisions_ = kMostDivisions;
   const BorderSides* border_ = nullptr;  // where set: no edge of a cap may join its two sides
@@ -560,6 +572,7 @@ SplitCounts splitCells(MeshEditor& editor, Crossings& crossings, const std::func
       if (editor.mesh().cell(cell).isAlive()) splitter.splitRepeatedly(cell);
     }
   }
+  splitter.separateShutEdges();
   if (slit == Slit::kOpen) splitter.openSlit(is_ready);
   return splitter.counts;
 }

@@ -5,7 +5,9 @@
 #include "polyscalpel/cutting/blade_distance.hpp"
 
 #include <cmath>
+#include <map>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -176,6 +178,48 @@ TEST(BladeSweep, ATreeChangesNoHitAtTies) {
       expectSame(findHits(mesh, tree, positions, polygon), findHits(mesh, {}, positions, polygon));
     }
   }
+}
+
+TEST(BladeSweep, ABladeThatStopsOnAnEdgeLosesNoHit) {
+  // The surface has its border outside of the body: every face's outline crosses it to and fro equally often.
+  const PolyhedralMesh mesh = makeTetBox(Vector3d::Zero(), Vector3d(1, 0.5, 0.5), Vector3i(4, 2, 2));
+  const Matrix3Xd positions = mesh.restPositions();
+  Matrix3Xd blade(3, 2);
+  blade << 0, 0, 0, 0, -2, 2;
+  Dice dice(7);
+  int num_hits = 0;
+  for (int index = 0; index < mesh.faceCapacity(); ++index) {
+    const auto& loop = mesh.face(FaceId(index)).loop;
+    const Vector3d a = mesh.restPosition(loop[0]), b = mesh.restPosition(loop[1]);
+    Eigen::Matrix3d axes;
+    axes.col(2) = (b - a).normalized();
+    axes.col(1) = axes.col(2).cross(dice.vector()).normalized();
+    axes.col(0) = axes.col(1).cross(axes.col(2));
+    std::map<Edge, int> sums;
+    std::vector<Isometry3d> poses(9, Isometry3d::Identity());  // on the edge in the middle one
+    for (int step = 0; step < 9; ++step) {
+      poses[step].linear() = axes;
+      poses[step].translation() = a + 3.0 * (step - 4) / 4 * axes.col(0);
+    }
+    for (int step = 0; step < 8; ++step) {
+      const auto hits =
+          findHits(mesh, {}, BladeMotion{blade, poses[step], poses[step + 1], positions, positions}, 0.25);
+      ASSERT_TRUE(hits);
+      num_hits += static_cast<int>(hits->size());
+      for (const Hit& hit : *hits) sums[hit.edge] += hit.sign;
+    }
+    for (int other = 0; other < mesh.faceCapacity(); ++other) {
+      const auto& around = mesh.face(FaceId(other)).loop;
+      int sum = 0;
+      for (std::size_t i = 0; i < around.size(); ++i) {
+        const VertexId from = around[i], to = around[(i + 1) % around.size()];
+        sum += from < to ? sums[makeEdge(from, to)] : -sums[makeEdge(from, to)];
+      }
+      EXPECT_EQ(sum, 0) << "face " << other << " of a blade on the edge " << loop[0].index() << "-"
+                        << loop[1].index();
+    }
+  }
+  EXPECT_GT(num_hits, 1000);
 }
 
 TEST(BladeSweep, ASweepWithATreeCutsAsWithout) {

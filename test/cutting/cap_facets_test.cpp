@@ -67,11 +67,16 @@ TEST(CapFacets, AFlatLoopIsOneFaceOnlyIfItIsConvex) {
 
 TEST(CapFacets, RandomCutsLeaveNoFaceWithABay) {
   // Bent caps make cells that are not convex, in which a flat cut has bays; their parts would be folded by
-  // the next cut through them.
+  // the next cut through them. So do the planes that close a front within the tissue.
   const std::vector<TortureSubject> subjects = tortureSubjects(TortureSize::kSmall);
   TorturePlan plan;
-  plan.kinds = {"plane", "plane through 2 vertices", "stroke straight through", "stroke curved through",
-                "stroke twisted at coarse steps"};  // none with a front within the tissue
+  plan.kinds = {"plane",
+                "plane through 2 vertices",
+                "polygon",
+                "stroke straight through",
+                "stroke curved through",
+                "stroke twisted at coarse steps",
+                "stroke that stops inside"};
   for (const unsigned seed : {1u, 4u, 11u}) {
     TortureSequence sequence(plan, seed);
     TortureBody body(subjects[0].name, subjects[0].make(), subjects[0].is_convex);

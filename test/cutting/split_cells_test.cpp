@@ -4,6 +4,7 @@
 #include "polyscalpel/cutting/split_cells.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -56,17 +57,79 @@ TEST(SplitCells, AVertexBetweenTwoCornersOfTheCutInOneEdgeJoinsIt) {
   }
 }
 
+TEST(SplitCells, AnEdgeThatIsShutBetweenTwoWallsIsDividedForEachOfThem) {
+  // A slit within the middle layer of a block has one edge inside, with two cells on either side and its ends
+  // on the slit's front.
+  PolyhedralMesh mesh = makeHexBox(Vector3d::Zero(), Vector3d(2, 2, 3), {2, 2, 3});
+  const VertexId a = vertexAt(mesh, {1, 1, 1}), b = vertexAt(mesh, {1, 1, 2});
+  MeshEditor editor(mesh);
+  for (const FaceId id : std::vector<FaceId>(mesh.facesAround(a))) {
+    const Face& face = mesh.face(id);
+    if (!hasEdge(face, a, b)) continue;
+    const bool is_in_slit = std::all_of(face.loop.begin(), face.loop.end(),
+                                        [&](VertexId v) { return mesh.restPosition(v).x() == 1; });
+    if (is_in_slit) editor.openFace(id, 1);
+  }
+  editor.commit();
+  ASSERT_EQ(numFansAroundEdge(mesh, a, b), 2);
+  ASSERT_TRUE(checkMesh(mesh).empty()) << checkMesh(mesh).front();
+
+  const Matrix3Xd positions = mesh.restPositions();
+  const PlaneCut across{Vector3d(0, 0, 1.5), Vector3d::UnitZ()};
+  const CutResult result = cutMesh(mesh, positions, across, CuttingConfig(), 2);
+  EXPECT_EQ(result.cells_left_whole, 0);
+  EXPECT_EQ(result.cells_split, 4);
+  EXPECT_EQ(result.pieces_after, 2);
+  EXPECT_TRUE(checkMesh(mesh).empty()) << checkMesh(mesh).front();
+  const auto isInMiddle = [&](const NewVertex& made) {
+    return mesh.restPosition(made.vertex) == Vector3d(1, 1, 1.5);
+  };
+  const auto& made = result.change.new_vertices;
+  EXPECT_EQ(std::count_if(made.begin(), made.end(), isInMiddle), 4) << "one for each corner of the pieces";
+}
+
+TEST(SplitCells, AStrokeThatCrossesAnEdgeTwiceBitesNothingOffIt) {
+  // A cube with a vertex in an edge. The blade goes in through the edge on one side of the vertex and out
+  // again on the other one: all that it leaves of the cell between is that edge.
+  PolyhedralMesh mesh = makeHexBox(Vector3d::Zero(), Vector3d::Ones(), {1, 1, 1});
+  MeshEditor editor(mesh);
+  editor.splitEdge(vertexAt(mesh, {0, 0, 0}), vertexAt(mesh, {0, 0, 1}), 0.5);
+  editor.commit();
+  SweepCut sweep;
+  sweep.edge_tool.resize(3, 2);
+  sweep.edge_tool << -2, 2, 2, -2, 0, 0;
+  for (int i = -8; i <= 8; ++i) {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    const double depth = 0.2 - 0.7 * std::abs(i) / 8;
+    T.translation() = Vector3d(depth, depth, 0.5 + 0.05 * i);
+    sweep.T_world_tool.push_back(T);
+  }
+  const Matrix3Xd positions = mesh.restPositions();
+  const CutResult result = cutMesh(mesh, positions, sweep, CuttingConfig(), 1);
+  EXPECT_EQ(result.status, CutStatus::kNothingSeparated);
+  EXPECT_EQ(result.cells_left_whole, 0);
+}
+
 TEST(SplitCells, WhatRandomCutsPassComesApart) {
-  // Bodies in which caps had facets in the plane of a part's own faces, and in which parts up to twice as
-  // thick as the snap distance joined the cut although a division would have had them come apart.
+  // Bodies in which caps had facets in the plane of a part's own faces, in which parts up to twice as thick
+  // as the snap distance joined the cut although a division would have had them come apart, in which no plane
+  // across the border but an askew one divides a cell soundly, and in which a vertex between two corners of
+  // the cut, or at the end of a chord that a division has made, was taken to lie on the wrong side.
   const std::vector<TortureSubject> subjects = tortureSubjects(TortureSize::kSmall);
   struct Body {
     std::string name;
     unsigned seed;
     int cuts;
   };
-  for (const Body& body : std::vector<Body>{
-           {"block", 3, 25}, {"block", 13, 25}, {"block", 31, 17}, {"block", 37, 18}, {"ball", 6, 17}}) {
+  for (const Body& body : std::vector<Body>{{"block", 3, 25},
+                                            {"block", 13, 25},
+                                            {"block", 31, 17},
+                                            {"block", 37, 18},
+                                            {"ball", 6, 17},
+                                            {"block", 6, 13},
+                                            {"block", 11, 22},
+                                            {"block", 21, 19},
+                                            {"block", 41, 17}}) {
     for (const TortureSubject& subject : subjects) {
       if (subject.name != body.name) continue;
       TorturePlan plan;

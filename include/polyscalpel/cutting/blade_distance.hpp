@@ -35,8 +35,12 @@ std::vector<VertexId> frontAtBlade(const PolyhedralMesh& mesh, const CellTree& t
                                    const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
                                    const Eigen::Ref<const Eigen::Matrix3Xd>& blade_world, double tolerance);
 
+/// A distance [m] by so much larger that rounding, of points with coordinates up to largest_coordinate [m],
+/// takes none away that is within it.
+double atLeast(double distance, double largest_coordinate);
+
 /// Whether any segment of the polyline comes nearer to the box than `distance` [m] along some axis; true
-/// wherever a point of the box is within `distance` of it.
+/// wherever a point of the box is within `distance` of it, but for rounding (atLeast()).
 bool meets(Eigen::AlignedBox3d box, const Eigen::Ref<const Eigen::Matrix3Xd>& blade, double distance);
 
 }  // namespace polyscalpel

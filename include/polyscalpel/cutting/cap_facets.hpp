@@ -10,10 +10,6 @@
 
 namespace polyscalpel {
 
-/// Whether a planar cap that is not convex is divided as well, or kept as one face: a front's, in which the
-/// border of a blade lies, so that this border would meet any further edge by rounding or not at all.
-enum class Bays { kDivided, kKept };
-
 /// Divides the outline of a cap into faces that are planar and convex in rest shape, so that a later cut
 /// through them keeps the surface and with it the volume: a cap that is so itself is one face, any other the
 /// triangulation that keeps the sub-tets on both sides large (least sum of inverse squares of their volumes,
@@ -21,8 +17,10 @@ enum class Bays { kDivided, kKept };
 /// counter-clockwise seen from outside of the part that has its apex behind. apex_behind, apex_before: points
 /// inside the two parts [m]. sides: empty, or one a corner: a triangle joins a positive to a negative one
 /// only where none other is left.
-std::vector<std::vector<VertexId>> makeCapFacets(
-    const PolyhedralMesh& mesh, const std::vector<VertexId>& cap_loop, const Eigen::Vector3d& apex_behind,
-    const Eigen::Vector3d& apex_before, const std::vector<int>& sides = {}, Bays bays = Bays::kDivided);
+std::vector<std::vector<VertexId>> makeCapFacets(const PolyhedralMesh& mesh,
+                                                 const std::vector<VertexId>& cap_loop,
+                                                 const Eigen::Vector3d& apex_behind,
+                                                 const Eigen::Vector3d& apex_before,
+                                                 const std::vector<int>& sides = {});
 
 }  // namespace polyscalpel

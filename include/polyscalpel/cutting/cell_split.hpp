@@ -51,6 +51,9 @@ class CellSplit {
   const std::vector<VertexId>& capVertices() const { return cap_vertices_; }
   const std::vector<std::pair<Edge, VertexId>>& splitEdges() const { return split_edges_; }
   const FaceParts& splitFaceParts() const { return split_faces_; }
+  /// Of the vertices made, those on edges that were shut between two walls of a slit: both sides share them
+  /// until MeshEditor::separateVertex() has given each its own.
+  const std::vector<VertexId>& sharedMiddles() const { return shared_middles_; }
 
  private:
   const PolyhedralMesh& mesh() const { return editor_.mesh(); }
@@ -62,8 +65,7 @@ class CellSplit {
   bool findCap();
   /// From where the two parts are to see the cap.
   enum class Apexes { kVertexMeans, kStarCentres };
-  std::vector<std::vector<VertexId>> makeFacets(Apexes apexes, const std::vector<int>& sides_of_loop,
-                                                Bays bays) const;
+  std::vector<std::vector<VertexId>> makeFacets(Apexes apexes, const std::vector<int>& sides_of_loop) const;
   Eigen::Vector3d vertexMeanOfPart(bool is_first) const;
   Eigen::Vector3d starCentreOfPart(bool is_first) const;
   bool joinsSides(const BorderSides& sides) const;
@@ -77,6 +79,7 @@ class CellSplit {
   boost::container::small_flat_set<VertexId, 16> middles_;
   boost::container::small_flat_set<CellId, 32> touched_;
   std::vector<std::pair<Edge, VertexId>> split_edges_;
+  std::vector<VertexId> shared_middles_;
   FaceParts split_faces_;
   std::vector<FaceId> first_faces_;
   std::vector<VertexId> cap_loop_, cap_vertices_;

@@ -83,6 +83,10 @@ class Crossings {
   /// surface.
   void recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& origin, bool is_on_cut);
 
+  /// Records on which side of the blade's surface a vertex lies from which a chord leads to snapped ones:
+  /// they would take it to lie on their own side else.
+  void recordSide(const PolyhedralMesh& mesh, VertexId vertex, int side);
+
   /// Records that an edge between two walls of the slit has got a vertex to open it by: the first of the new
   /// vertices, of which the others are copies.
   void recordOpenedEdge(const PolyhedralMesh& mesh, const std::vector<NewVertex>& new_vertices);

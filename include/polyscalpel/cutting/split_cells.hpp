@@ -26,7 +26,8 @@ enum class Slit { kOpen, kClosed };
 /// undone; then vertices that lie in an edge between two corners of the cut join it, then a thin component,
 /// at most 4 vertices within snap_tolerance h of the cut; then the cell is divided across the cut and its
 /// parts are split; then a component within twice that distance joins the cut; then the cell is left whole
-/// and counted.
+/// and counted. Vertices that hang in one straight edge, crossed on both sides of them, are no component: no
+/// cap could part them from the cell.
 SplitCounts splitCells(MeshEditor& editor, Crossings& crossings, const std::function<bool(CellId)>& is_ready,
                        double snap_tolerance, int cut, Slit slit = Slit::kOpen);
 
