@@ -6,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/core/quad.hpp"
 #include "vertex_turns.hpp"
 
@@ -126,9 +127,12 @@ SolveStatus AggregatePreconditioner::make(const RowPattern& pattern,
   for (const int i : active) members[group_[i]].push_back(i);
 
   middle_of_group_.clear();
+  group_middles_.resize(3, num_groups_);
+  group_lengths_.resize(num_groups_);
   // Arms in the group's size, so that turns weigh as much as shifts.
   Eigen::Matrix3Xd arms = Eigen::Matrix3Xd::Zero(3, pattern.numVertices());
-  for (const std::vector<int>& group : members) {
+  for (int g = 0; g < num_groups_; ++g) {
+    const std::vector<int>& group = members[g];
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (const int i : group) middle += rest_positions.col(i);
     middle /= static_cast<double>(group.size());
@@ -141,6 +145,8 @@ SolveStatus AggregatePreconditioner::make(const RowPattern& pattern,
       if (arms.col(i).squaredNorm() < arms.col(nearest).squaredNorm()) nearest = i;
     }
     middle_of_group_.push_back(nearest);
+    group_middles_.col(g) = middle;
+    group_lengths_[g] = length;
   }
   group_rotations_.resize(9 * static_cast<std::size_t>(num_groups_));
   arms_.assign(paddedSize(pattern.numVertices()), 0.0F);
@@ -202,6 +208,23 @@ SolveStatus AggregatePreconditioner::make(const RowPattern& pattern,
   const SolveStatus status = factor.factorise(coarse, blocks, std::vector<bool>(2 * num_groups_, false));
   coarse_ = HeldFactor(std::move(factor), 2 * num_groups_);
   return status;
+}
+
+bool AggregatePreconditioner::follow(const std::vector<AddedVertex>& added,
+                                     const Eigen::Ref<const Eigen::Matrix3Xd>& rest_positions) {
+  for (const AddedVertex& vertex : added) {
+    POLYSCALPEL_ASSERT(vertex.vertex == static_cast<int>(group_.size()));
+    const int nearer = group_[vertex.nearerParent()];
+    const int group = nearer >= 0 ? nearer : group_[vertex.fartherParent()];
+    if (group < 0) return false;  // both parents are fixed
+    group_.push_back(group);
+    const Eigen::Vector3d arm =
+        (rest_positions.col(vertex.vertex) - group_middles_.col(group)) / group_lengths_[group];
+    arms_.pop_back();  // the padding
+    for (int c = 0; c < 3; ++c) arms_.push_back(static_cast<float>(arm[c]));
+    arms_.push_back(0);
+  }
+  return true;
 }
 
 // A group turns as the vertex nearest to its middle does; arms turn with their own vertices.

@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <optional>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 #include "ban.hpp"
+#include "earlier_solutions.hpp"
 #include "factor_maker.hpp"
 #include "free_parts.hpp"
 #include "polyscalpel/core/checks.hpp"
@@ -80,6 +78,7 @@ struct StepSolver::Impl {
   std::optional<TurnedFactor> factor;
   FactorMaker factors;
   std::optional<AggregatePreconditioner> aggregates;
+  std::vector<AddedVertex> added;  // by cuts that aggregates have not followed yet
   BlockJacobi jacobi;
   std::vector<float> rotations;
 
@@ -88,16 +87,15 @@ struct StepSolver::Impl {
   struct Lane {
     DifferenceMatrix<Scalar> matrix;
     ConjugateGradients<Scalar> iteration;
-    Eigen::Matrix<Scalar, Eigen::Dynamic, 1> b, x, product;
-    std::vector<Eigen::Matrix<Scalar, Eigen::Dynamic, 1>> earlier;
+    Eigen::Matrix<Scalar, Eigen::Dynamic, 1> b, x;
+    EarlierSolutions::Room<Scalar> earlier;
     ActiveRuns runs;
   };
   std::optional<FreeParts> free_parts;  // found when first asked for
 
   Lane<float> single;
   Lane<double> twofold;
-  std::deque<Eigen::VectorXd> solutions;  // the last first, run by run
-  std::vector<int> active_in_solutions;
+  EarlierSolutions solutions;
 
   DirectSolver direct;
   BlockPattern direct_pattern;
@@ -126,11 +124,11 @@ struct StepSolver::Impl {
   void renewPatchOrFactor(StepSystem& system);
   void makeFactorAtOnce(StepSystem& system);
   void prepareAggregates(StepSystem& system);
+  void followByAggregates(StepSystem& system);
+  void refreshAggregates(StepSystem& system);
   template <class Scalar>
   SolveStatus update(StepSystem& system, Lane<Scalar>& lane, Preconditioner& chosen);
   Preconditioner& preconditioner(StepSystem& system, SolverReport& report);
-  template <class Scalar>
-  void keepSolution(const Lane<Scalar>& lane, const std::vector<int>& active);
   IterationLimits limitsOf(bool is_touched, Clock::time_point step_start) const;
   template <class Scalar>
   void startFromEarlier(const StepSystem& system, Lane<Scalar>& lane);
@@ -203,6 +201,7 @@ void StepSolver::Impl::prepare(StepSystem& system) {
 // which step has it. Cuts that come in between are a patch to it, and the next one's reason.
 void StepSolver::Impl::refresh(StepSystem& system) {
   ++stale_steps;
+  if (kind == SolverKind::kAggregates) return refreshAggregates(system);
   // Not in the first step after a cut, which has the patch to factor.
   if (!factors.isUnderWay() && stale_steps >= std::min(2, config.refresh_after_steps)) {
     takeBodyAsItLies(system);
@@ -299,6 +298,22 @@ void StepSolver::Impl::replaceAggregates(StepSystem& system) {
 void StepSolver::Impl::prepareAggregates(StepSystem& system) {
   takeBodyAtRest(system);
   aggregates.reset();
+  added.clear();
+}
+
+void StepSolver::Impl::followByAggregates(StepSystem& system) {
+  if (!aggregates || !aggregates->follow(added, system.restPositions())) {
+    prepareAggregates(system);
+    is_stale = false;
+  }
+  added.clear();
+}
+
+void StepSolver::Impl::refreshAggregates(StepSystem& system) {
+  if (stale_steps <= config.refresh_after_steps && last_iterations <= kManyIterations) return;
+  prepareAggregates(system);
+  is_stale = false;
+  many_iterations_since = 0;
 }
 
 Preconditioner& StepSolver::Impl::preconditioner(StepSystem& system, SolverReport& report) {
@@ -338,49 +353,10 @@ SolveStatus StepSolver::Impl::update(StepSystem& system, Lane<Scalar>& lane, Pre
   return SolveStatus::kSolved;
 }
 
-// Galerkin's projection on earlier solutions: x = X y, X^T A X y = X^T b (P. Fischer, "Projection Techniques
-// for Iterative Solution of Ax = b with Successive Right-Hand Sides", 1998).
 template <class Scalar>
 void StepSolver::Impl::startFromEarlier(const StepSystem& system, Lane<Scalar>& lane) {
-  lane.runs.forEach([](auto x) { x.setZero(); }, lane.x);
-  if (active_in_solutions != system.active()) solutions.clear();
-  const int count = static_cast<int>(solutions.size());
-  if (count == 0) return;
-  Eigen::MatrixXd gram(count, count);
-  Eigen::VectorXd right(count);
-  if (static_cast<int>(lane.earlier.size()) < count) lane.earlier.resize(count);
-  for (int k = 0; k < count; ++k) {
-    auto& column = lane.earlier[k];
-    if (column.size() != lane.b.size()) column.setZero(lane.b.size());
-    Eigen::Index place = 0;
-    for (const ActiveRuns::Run& run : lane.runs.runs()) {
-      column.segment(run.first, run.count) = solutions[k].segment(place, run.count).template cast<Scalar>();
-      place += run.count;
-    }
-    multiply(system.pattern(), lane.matrix, system.active(), column.data(), lane.product.data(),
-             config.threads);
-    for (int l = 0; l <= k; ++l) gram(k, l) = gram(l, k) = lane.runs.dot(lane.earlier[l], lane.product);
-    right[k] = lane.runs.dot(column, lane.b);
-  }
-  gram.diagonal() *= 1 + 1e-7;  // solutions may be all but parallel
-  const Eigen::VectorXd y = gram.ldlt().solve(right);
-  if (!y.allFinite()) return;
-  for (int k = 0; k < count; ++k) {
-    const Scalar part = static_cast<Scalar>(y[k]);
-    lane.runs.forEach([&](auto x, const auto& column) { x += part * column; }, lane.x, lane.earlier[k]);
-  }
-}
-
-template <class Scalar>
-void StepSolver::Impl::keepSolution(const Lane<Scalar>& lane, const std::vector<int>& active) {
-  if (static_cast<int>(solutions.size()) >= config.projection) solutions.pop_back();
-  active_in_solutions = active;
-  Eigen::VectorXd& kept = solutions.emplace_front(3 * static_cast<Eigen::Index>(active.size()));
-  Eigen::Index place = 0;
-  for (const ActiveRuns::Run& run : lane.runs.runs()) {
-    kept.segment(place, run.count) = lane.x.segment(run.first, run.count).template cast<double>();
-    place += run.count;
-  }
+  solutions.guess(system.pattern(), lane.matrix, system.active(), lane.runs, lane.b, config.threads,
+                  lane.earlier, lane.x);
 }
 
 IterationLimits StepSolver::Impl::limitsOf(bool is_touched, Clock::time_point step_start) const {
@@ -429,8 +405,8 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   }
   const Eigen::Index size = paddedSize(system.pattern().numVertices());
   if (lane.runs.set(active) || lane.b.size() != size) {
-    for (auto* const vector : {&lane.b, &lane.x, &lane.product}) vector->setZero(size);
-    lane.earlier.clear();
+    for (auto* const vector : {&lane.b, &lane.x}) vector->setZero(size);
+    lane.earlier = {};
   }
   for (const int i : active) {
     for (int c = 0; c < 3; ++c)
@@ -473,7 +449,7 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   }
   if (!free_parts) free_parts.emplace(system.pattern(), system.movable());
   free_parts->keepMomentum(lane.matrix, active, b, x);
-  if (config.projection > 0 && length > 0) keepSolution(lane, active);
+  if (length > 0) solutions.keep(active, lane.runs, lane.x, config.projection);
   result.status = SolveStatus::kSolved;
   return true;
 }
@@ -512,7 +488,7 @@ void StepSolver::follow(const std::vector<AddedVertex>& added, const std::vector
   if (s.is_restarted) return;
   if (!s.is_cut) s.had_patch = s.hasPatchOf(0);
   s.is_cut = true;
-  if (s.kind == SolverKind::kFactor && !s.is_stale) {
+  if ((s.kind == SolverKind::kFactor || s.kind == SolverKind::kAggregates) && !s.is_stale) {
     s.is_stale = true;
     s.stale_steps = 0;
   }
@@ -521,6 +497,7 @@ void StepSolver::follow(const std::vector<AddedVertex>& added, const std::vector
   s.solutions.clear();
   s.factors.follow(added, touched);
   if (s.factor) s.factor->follow(added, touched);
+  if (s.aggregates) s.added.insert(s.added.end(), added.begin(), added.end());
 }
 
 // In single precision, then in double; whether it came to an end that will do.
@@ -560,7 +537,7 @@ SolveResult StepSolver::solve(StepSystem& system, const Eigen::Matrix3Xd& b, boo
       if (s.factor) {
         s.replaceLargePatch(system);
       } else {
-        s.prepareAggregates(system);
+        s.followByAggregates(system);
       }
       s.many_iterations_since = 0;
       s.was_factor_tried = false;

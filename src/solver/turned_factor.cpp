@@ -56,9 +56,8 @@ void TurnedFactor::follow(const std::vector<AddedVertex>& added, const std::vect
     shares_.insert(shares_.end(), shares.begin(), shares.end());
     first_share_.push_back(static_cast<int>(shares_.size()));
     if (base_.empty()) continue;
-    const int parent = vertex.parents[vertex.weight > 0.5 ? 1 : 0];
     base_.resize(base_.size() + 9);
-    std::copy_n(&base_[9 * parent], 9, &base_[base_.size() - 9]);
+    std::copy_n(&base_[9 * vertex.nearerParent()], 9, &base_[base_.size() - 9]);
   }
   patch_.insert(patch_.end(), touched.begin(), touched.end());
   std::sort(patch_.begin(), patch_.end());

@@ -264,6 +264,32 @@ TEST(StepSolver, AFactorTakenOverIsExact) {
   }
 }
 
+// Groups of the uncut body serve on, and are made anew a fixed number of steps later: then they are those
+// that a new solver has.
+TEST(StepSolver, AggregatesServeOnAfterACut) {
+  PolyhedralMesh mesh = makeTetBeam(6);
+  BodySystem system(mesh);
+  SolverConfig config = withKind(SolverKind::kAggregates, 1e-4, Precision::kAuto);
+  config.refresh_after_steps = 3;
+  config.projection = 0;
+  StepSolver solver(config);
+  system.linearise(bentBeam(mesh));
+  solve(solver, system, someLoad(system, 5));
+  for (int cut = 1; cut <= 2; ++cut) cutFromAbove(mesh, system, solver, 0.1 * cut + 0.003, 0.03, cut);
+  for (int step = 1; step <= 6; ++step) {
+    const Eigen::Matrix3Xd b = someLoad(system, 6 + step);
+    const Solution solution = solve(solver, system, b);
+    expectSolved(solution, system, b, 1e-2);
+    EXPECT_EQ(solution.report.kind, SolverKind::kAggregates);
+    EXPECT_EQ(solution.report.fallbacks, 0);
+    StepSolver anew(config);
+    const Solution by_new = solve(anew, system, b);
+    EXPECT_LE(solution.report.iterations, 1.3 * by_new.report.iterations) << step;
+    // The first step after the cut is the first stale one.
+    EXPECT_EQ(solution.x == by_new.x, step > config.refresh_after_steps) << step;
+  }
+}
+
 // Cuts that follow on each other faster than factors are made: each step is solved, by the same means in each
 // run, and in the end there is a factor.
 TEST(StepSolver, CutsWhileAFactorIsBeingMade) {

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "polyscalpel/core/difference_matrix.hpp"
+#include "polyscalpel/solver/added_vertex.hpp"
 #include "polyscalpel/solver/block_jacobi.hpp"
 #include "polyscalpel/solver/held_factor.hpp"
 #include "polyscalpel/solver/preconditioner.hpp"
@@ -34,6 +35,12 @@ class AggregatePreconditioner final : public Preconditioner {
   SolveStatus make(const RowPattern& pattern, const DifferenceMatrix<double>& rest_matrix,
                    const Eigen::Ref<const Eigen::Matrix3Xd>& rest_positions, const std::vector<int>& active);
 
+  /// Follows a cut: added vertices, ascending, belong to their nearer parent's group. The cut body's matrix
+  /// has all but the same P^T A_0 P: groups that a slit parts move as one, until they are made anew. Returns
+  /// whether all could be followed; if not, they are to be made anew at once.
+  bool follow(const std::vector<AddedVertex>& added,
+              const Eigen::Ref<const Eigen::Matrix3Xd>& rest_positions);
+
   /// Takes the matrix as it is now and the vertices' rotations, 9 each; the list of active vertices must live
   /// on. What holds points of the body is in both levels. A status other than kSolved: not to be used with
   /// this matrix.
@@ -60,6 +67,8 @@ class AggregatePreconditioner final : public Preconditioner {
   std::vector<float> arms_;           // 3 a vertex: from its group's middle, in the group's size
   std::vector<float> turned_arms_;    // as the body lies
   std::vector<int> middle_of_group_;  // a vertex
+  Eigen::Matrix3Xd group_middles_;    // in rest shape [m]
+  Eigen::VectorXd group_lengths_;     // [m]
   std::vector<float> group_rotations_, coarse_values_;  // 9 and 6 a group
   std::vector<float> group_sums_;  // force and moment, then shift and turn, 4 numbers each
   const std::vector<int>* active_ = nullptr;

@@ -1,23 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "polyscalpel/core/difference_matrix.hpp"
+#include "polyscalpel/solver/added_vertex.hpp"
 #include "polyscalpel/solver/held_factor.hpp"
 #include "polyscalpel/solver/preconditioner.hpp"
 #include "polyscalpel/solver/single_factor.hpp"
 
 namespace polyscalpel {
-
-/// A vertex that came after others: a quantity at it is (1 - weight) value(parents[0]) + weight
-/// value(parents[1]).
-struct AddedVertex {
-  int vertex = 0;
-  std::array<int, 2> parents = {0, 0};
-  double weight = 0;
-};
 
 /// R A_0^-1 R^T, A_0 the matrix in the rest shape and R the rotation of each vertex: a corotated matrix is
 /// near R A_0 R^T, however far the body has bent, so a handful of iterations is left (60 without R on a beam
