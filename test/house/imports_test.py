@@ -26,7 +26,7 @@ BELOW = {
 
 # Foreign header -> files that may include it.
 FOREIGN = [
-    (r"(suitesparse/)?cholmod|cblas", r"src/solver/[^/]+\.cpp"),
+    (r"(suitesparse/)?cholmod|cblas", r"src/solver/[^/]+\.[ch]pp"),
     (r"fcl/", r"src/collision/[^/]+\.cpp"),
     (r"gmsh\.h", r"src/mesh/[^/]+\.cpp"),
     (r"CGAL/(Exact_|MP_Float|Lazy)", r"src/geometry/predicates\.cpp"),
@@ -69,6 +69,8 @@ def include_faults(root):
         if module != "ros_bridge" and re.search(r"\b(ros|tf2|tf)::[A-Za-z]", re.sub(r"//.*", "", text)):
             faults.append(f"{name}: names a ROS type")
         for header in INCLUDE.findall(text):
+            if re.search(r"(^|/)\.\.?/|^src/", header) or re.match(r"(%s)/" % "|".join(BELOW), header):
+                faults.append(f"{name}: {header} is private to its own folder")
             ours = OUR_HEADER.match(header)
             if ours and ours.group(1) in BELOW and ours.group(1) != module and ours.group(1) not in BELOW[module]:
                 faults.append(f"{name}: {module} may not include {header}")
@@ -115,7 +117,12 @@ def own_faults():
         ("src/ros_bridge/a.cpp", "ros/ros.h", False),
         ("src/ros_bridge/a.cpp", "polyscalpel/CutEvent.h", False),
         ("src/solver/a.cpp", "cholmod.h", False),
+        ("src/solver/a.hpp", "cholmod.h", False),
+        ("src/solver/a.cpp", "cholmod_handles.hpp", False),
+        ("src/simulation/a.cpp", "../solver/cholmod_handles.hpp", True),
+        ("src/simulation/a.cpp", "solver/cholmod_handles.hpp", True),
         ("src/simulation/a.cpp", "cholmod.h", True),
+        ("src/simulation/a.hpp", "cblas.h", True),
         ("src/collision/a.cpp", "suitesparse/cholmod.h", True),
         ("include/polyscalpel/solver/a.hpp", "cholmod.h", True),
         ("src/collision/a.cpp", "fcl/fcl.h", False),
