@@ -40,7 +40,8 @@ struct SolverConfig {
   std::optional<double> step_budget_ms;
   /// In [1, 1000000]: so many steps after a cut kFactor takes over a factor of the cut body; until then the
   /// old one serves, with a patch around the slit. Sooner, at most four steps, where that takes many
-  /// iterations or the patch grows; at once where it is too large.
+  /// iterations or the patch grows; at once where it is too large. So many steps after a cut kAggregates
+  /// makes its groups anew.
   int refresh_after_steps = 10;
 };
 
