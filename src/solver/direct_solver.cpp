@@ -5,7 +5,6 @@
 #include "polyscalpel/solver/direct_solver.hpp"
 
 #include <cmath>
-#include <utility>
 
 #include "cholmod_handles.hpp"
 #include "one_thread.hpp"
@@ -20,8 +19,8 @@ struct DirectSolver::Impl {
                                 // part is upper here
   int num_free = 0;
   Ordering ordering = Ordering::kUndecided;
-  CholmodSparse
-      matrix;  // upper part, 3 num_free square: CHOLMOD permutes a lower one by transposing it twice
+  // Upper part, 3 num_free square: CHOLMOD permutes a lower one by transposing it twice.
+  CholmodSparse matrix;
   CholmodFactor factor;
   CholmodDense rhs;
   cholmod_dense* solution = nullptr;  // these three are made and kept by cholmod_solve2

@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <memory>
-#include <utility>
 
 #include <Eigen/Cholesky>
 
 #include "blas.hpp"
 #include "one_thread.hpp"
-#include "polyscalpel/core/checks.hpp"
 
 namespace polyscalpel {
 

@@ -10,7 +10,6 @@
 #include "blas.hpp"
 #include "multifrontal.hpp"
 #include "panel_kernels.hpp"
-#include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/solver/symbolic_factor.hpp"
 
 namespace polyscalpel {

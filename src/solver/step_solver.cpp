@@ -60,7 +60,7 @@ struct StepSolver::Impl {
   bool is_restarted = true;
   bool is_cut = false;     // since the last solve
   bool had_patch = false;  // the factor, before that
-  bool is_stale = false;   // the factor is of the body before a cut, or there is none
+  bool is_stale = false;   // factor or aggregates are of the body before a cut, or there is no factor
   int stale_steps = 0;
   int last_iterations = 0;
   bool has_stiff_contacts = false;  // from the step on that found it, until nothing touches

@@ -28,8 +28,6 @@ class SingleFactor {
   /// two threads at once.
   void solve(float* values);
 
-  /// Vertices in the order in which they were eliminated, without fixed ones.
-  const std::vector<int>& order() const { return order_; }
   bool isEmpty() const { return order_.empty(); }
   /// Numbers in the panels.
   std::size_t numValues() const { return values_.size(); }
