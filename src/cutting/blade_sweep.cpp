@@ -100,9 +100,9 @@ class SignedSum {
   }
   bool isEven() const { return count_ > 0 && count_ % 2 == 0; }
   bool isHit() const { return sum_ != 0; }
-  Hit hit(Edge edge) const {
+  Hit hit(Edge edge, bool is_flat) const {
     const auto& [weight, alignment] = last_[sum_ > 0];
-    return {edge, weight, sum_ > 0 ? 1 : -1, alignment};
+    return {edge, weight, sum_ > 0 ? 1 : -1, alignment, is_flat};
   }
 
  private:
@@ -177,7 +177,7 @@ class Sweep {
         findHits(middle, to, halvings_left - 1, hits);
         return;
       }
-      if (sum.isHit()) found.push_back(sum.hit(edge));
+      if (sum.isHit()) found.push_back(sum.hit(edge, false));
     }
     hits.insert(hits.end(), found.begin(), found.end());
   }
@@ -342,7 +342,7 @@ std::vector<Hit> findHits(const PolyhedralMesh& mesh, const CellTree& tree, cons
       const TriangleCrossing crossing = crossTriangle(a, b, u, v, w, MeshPart::kSegment);
       if (crossing.sign != 0) sum.add(crossing.sign, crossing.segment_parameter, b - a, (v - u).cross(w - u));
     }
-    if (sum.isHit()) hits.push_back(sum.hit(edge));
+    if (sum.isHit()) hits.push_back(sum.hit(edge, true));
   }
   return hits;
 }

@@ -22,6 +22,11 @@ constexpr double kSlitThickness = 2;
 /// but for rounding: the least that may be set as snap tolerance.
 constexpr double kSmallestHeight = 1e-6;
 
+/// A blade's way bends: how far it passes from a vertex is not told by where it crosses an edge further from
+/// the vertex than this, in snap distances. The way off its tangent plane is this squared times half the snap
+/// distance over the radius of the bend: one snap distance for a radius of 18, about that of a cell.
+constexpr double kFurthestTold = 6;
+
 /// Largest |cos| of the angle between a settled slit's edge and the blade's normal where that edge, shorter
 /// than the slit is thick, may lie in the blade's surface.
 constexpr double kLargestAlignmentInSlit = 0.5;
@@ -76,12 +81,16 @@ int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
 void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tolerance) {
   const auto [a, b] = hit.edge;
   const auto snap_a = snaps_.find(a), snap_b = snaps_.find(b);
-  const double across = hit.alignment * (mesh.restPosition(b) - mesh.restPosition(a)).norm();
-  // Distances from the blade's surface, in snap distances.
-  const double to_a = hit.weight * across / (snap_tolerance * mesh.localSize(a));
-  const double to_b = (1 - hit.weight) * across / (snap_tolerance * mesh.localSize(b));
-  const bool is_near = to_a < 1 || to_b < 1;
-  const bool through_a = to_a < 1 && (to_b >= 1 || hit.weight <= 0.5);
+  const double length = (mesh.restPosition(b) - mesh.restPosition(a)).norm();
+  // Ways along the edge and distances from the blade's surface, in snap distances.
+  const double along_a = hit.weight * length / (snap_tolerance * mesh.localSize(a)),
+               along_b = (1 - hit.weight) * length / (snap_tolerance * mesh.localSize(b));
+  const double to_a = hit.alignment * along_a, to_b = hit.alignment * along_b;
+  const double furthest_told = hit.is_flat ? kInfinity : kFurthestTold;
+  const bool is_near_a = to_a < 1 && along_a < furthest_told,
+             is_near_b = to_b < 1 && along_b < furthest_told;
+  const bool is_near = is_near_a || is_near_b;
+  const bool through_a = is_near_a && (!is_near_b || hit.weight <= 0.5);
   const bool is_snapped = is_near && (through_a ? snap_a : snap_b) != snaps_.end();
 
   bool is_grazed = false;

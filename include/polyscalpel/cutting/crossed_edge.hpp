@@ -34,6 +34,7 @@ struct Hit {
   int sign =
       0;  ///< +1: edge.first lies behind the blade's surface and edge.second before it; -1: the reverse
   double alignment = 1;  ///< |cos| of the angle between the edge and the normal of the blade's surface
+  bool is_flat = true;   ///< the surface is a plane, however far from here; else that of a blade's way
 };
 
 /// A crossed edge.
