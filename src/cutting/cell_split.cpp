@@ -238,9 +238,8 @@ bool CellSplit::joinsSides(const BorderSides& sides) const {
 }
 
 bool isSound(const PolyhedralMesh& mesh, CellId cell) {
-  const double size = mesh.localSize(cell);
   const CellSurface surface = makeCellSurface(mesh, cell, mesh.restPositions());
-  return smallestSubTetVolume(surface) > kSmallestRelativeSubTet * size * size * size;
+  return smallestSubTetVolume(surface) > smallestSubTetAllowed(surface, mesh.localSize(cell));
 }
 
 }  // namespace polyscalpel

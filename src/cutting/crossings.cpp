@@ -96,7 +96,7 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
   bool is_grazed = false;
   if (const auto former = edges_.find(hit.edge); former != edges_.end()) {
     CrossedEdge& crossed = former->second;
-    if (crossed.last_time < time_) passCells(cellsAroundEdge(mesh, a, b));
+    if (crossed.last_time < time_) meetCells(cellsAroundEdge(mesh, a, b));
     crossed.last_time = time_;
     if (isSettled(mesh, hit.edge, crossed)) {
       if (isSamePlace(mesh, hit, crossed, snap_tolerance)) return;
@@ -125,6 +125,7 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
       snapAt(mesh, vertex, -other_side, time_);
       snaps_[vertex].neighbours.emplace_back(other, is_grazed ? -other_side : other_side);
     }
+    meetCells(cellsAroundEdge(mesh, a, b));
     return;
   }
   CrossedEdge& crossed = edges_[hit.edge];
@@ -132,7 +133,7 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
   crossed.sign = hit.sign;
   crossed.alignment = hit.alignment;
   crossed.time = crossed.last_time = time_;
-  passCells(cellsAroundEdge(mesh, a, b));
+  meetCells(cellsAroundEdge(mesh, a, b));
   if (snap_a != snaps_.end() && !isReleased(a)) snap_a->second.neighbours.emplace_back(b, hit.sign);
   if (snap_b != snaps_.end() && !isReleased(b)) snap_b->second.neighbours.emplace_back(a, -hit.sign);
 }
@@ -148,7 +149,13 @@ void Crossings::addAtSnapped(const PolyhedralMesh& mesh, VertexId vertex, Vertex
   }
   snap.again.emplace_back(other, other_side);
   // An edge of the slit that leads away from the blade's surface: this sheet crosses the one that made it.
-  if (!isOnCut(other) || !isReleased(other)) return;
+  if (!isOnCut(other) || !isReleased(other)) {
+    // The sheets lie on each other: what one parts from the vertex, the other does, whichever way it is
+    // drawn.
+    if (snap.side != 0 && snap.sideOfNeighbour(other) == snap.side)
+      snap.neighbours.emplace_back(other, -snap.side);
+    return;
+  }
   snap.neighbours = std::move(snap.again);
   snap.again.clear();
   snapAt(mesh, vertex, -other_side, time_);
@@ -311,7 +318,7 @@ bool Crossings::Part::settle(int time) {
 }
 
 void Crossings::inheritPasses(CellId cell, CellId part) {
-  if (const auto taken = taken_.find(cell); taken != taken_.end()) taken_.emplace(part, int(taken->second));
+  if (const auto pass = passes_.find(cell); pass != passes_.end()) passes_.emplace(part, int(pass->second));
   if (const auto earlier = earlier_.find(cell); earlier != earlier_.end())
     earlier_.emplace(part, Earlier(earlier->second));
 }
@@ -470,7 +477,7 @@ void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
   recordDividedCells(change);
   for (const CellId id : change.removed_cells) {
     parts_.erase(id);
-    taken_.erase(id);
+    passes_.erase(id);
     earlier_.erase(id);
   }
 
@@ -533,9 +540,9 @@ std::vector<CellId> Crossings::takeCells(const PolyhedralMesh& mesh,
   for (auto cell = cells_.begin(); cell != cells_.end();) {
     if (!mesh.cell(*cell).isAlive()) {
       cell = cells_.erase(cell);
-    } else if (is_ready(*cell)) {
+    } else if (is_ready(*cell) && hasLeft(mesh, *cell, is_ready)) {
       taken.push_back(*cell);
-      taken_[*cell] = time_;
+      passes_[*cell] = time_;
       cell = cells_.erase(cell);
     } else {
       ++cell;
@@ -545,14 +552,33 @@ std::vector<CellId> Crossings::takeCells(const PolyhedralMesh& mesh,
   return taken;
 }
 
+bool Crossings::hasLeft(const PolyhedralMesh& mesh, CellId cell,
+                        const std::function<bool(CellId)>& is_ready) const {
+  if (passes_.count(cell)) return true;
+  const auto& vertices = mesh.cell(cell).vertices;
+  return std::all_of(vertices.begin(), vertices.end(), [&](VertexId v) {
+    if (!isOnCut(v) || isReleased(v)) return true;
+    const auto& faces = mesh.facesAround(v);
+    return std::all_of(faces.begin(), faces.end(), [&](FaceId id) {
+      const auto& cells = mesh.face(id).cells;
+      return is_ready(cells[0]) && (!cells[1].isValid() || is_ready(cells[1]));
+    });
+  });
+}
+
 void Crossings::passCells(const std::vector<CellId>& cells) {
   for (const CellId cell : cells) {
     cells_.insert(cell);
-    const auto taken = taken_.find(cell);
-    if (taken == taken_.end()) continue;
-    earlier_[cell] = {taken->second, false};
-    taken_.erase(taken);
+    const auto pass = passes_.find(cell);
+    if (pass == passes_.end() || pass->second == kUnderWay) continue;
+    earlier_[cell] = {pass->second, false};
+    passes_.erase(pass);
   }
+}
+
+void Crossings::meetCells(const std::vector<CellId>& cells) {
+  passCells(cells);
+  for (const CellId cell : cells) passes_.emplace(cell, int(kUnderWay));
 }
 
 void Crossings::putCellsAround(const PolyhedralMesh& mesh, Edge edge) {
@@ -563,7 +589,7 @@ void Crossings::clear() {
   edges_.clear();
   snaps_.clear();
   parts_.clear();
-  taken_.clear();
+  passes_.clear();
   earlier_.clear();
   open_vertices_.clear();
   cells_.clear();

@@ -15,6 +15,7 @@
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/cutting/border_sides.hpp"
 #include "polyscalpel/cutting/cell_split.hpp"
+#include "polyscalpel/cutting/cut_distance.hpp"
 #include "polyscalpel/cutting/dividing_planes.hpp"
 #include "polyscalpel/mesh/mesh_checks.hpp"
 #include "polyscalpel/mesh/surface.hpp"
@@ -114,6 +115,7 @@ class Splitter {
 
   /// Opens faces that lie in the slit between cells on its two sides, then separates the vertices.
   void openSlit(const std::function<bool(CellId)>& is_ready) {
+    reopenAtFaceParts();
     const std::vector<VertexId> vertices(crossings_.openVertices().begin(), crossings_.openVertices().end());
     std::set<FaceId> faces;
     for (const VertexId vertex : vertices) {
@@ -214,6 +216,20 @@ class Splitter {
     BorderSides sides = *border_;
     sides.follow(editor_.changeSince(border_since_).new_vertices);
     return split.divide(cut_, &sides);
+  }
+
+  /// A chord may leave a part of a face in the slit between corners that an earlier pass of the blade has
+  /// snapped, and around which all was open.
+  void reopenAtFaceParts() {
+    for (const auto& [face, parts] : face_parts_) {
+      for (const FaceId part : {parts.first, parts.second}) {
+        const Face& at = mesh().face(part);
+        if (!at.isAlive() || at.isBoundary()) continue;
+        if (!std::all_of(at.loop.begin(), at.loop.end(), [&](VertexId v) { return crossings_.isOnCut(v); }))
+          continue;
+        for (const VertexId v : at.loop) crossings_.reopen(v);
+      }
+    }
   }
 
   /// Where both ends of an edge within the slit lie on its front, the edge's two sides still share them, and
@@ -476,7 +492,8 @@ class Splitter {
   /// distance of the mean plane of its border. Returns whether there was one.
   bool absorbFlat(CellId cell, const std::vector<std::vector<VertexId>>& components, double reach) {
     for (const auto& component : components) {
-      if (!canJoin(component)) continue;
+      if (!canJoin(component) || isKnownFar(mesh(), crossings_, cell, component, reach * snap_tolerance_))
+        continue;
       const std::size_t savepoint = editor_.savepoint();
       CellSplit split(editor_, crossings_, cell, component);
       const bool has_border = split.findBorder();
@@ -504,11 +521,12 @@ class Splitter {
   /// Lets the first thin component join the cut. Returns whether there was one.
   bool absorbThin(CellId cell, const std::vector<std::vector<VertexId>>& components, double reach) {
     for (const auto& component : components) {
-      if (!canJoin(component)) continue;
       if (component.size() > kMostAbsorbed) continue;
+      if (!canJoin(component) || isKnownFar(mesh(), crossings_, cell, component, reach * snap_tolerance_))
+        continue;
       std::vector<std::pair<VertexId, int>> sides;
       for (const VertexId v : component) {
-        const std::optional<int> side = sideIfThin(cell, v, reach);
+        const std::optional<int> side = sideIfNear(mesh(), crossings_, cell, v, reach * snap_tolerance_);
         if (side) sides.emplace_back(v, *side);
       }
       if (sides.size() != component.size()) continue;
@@ -516,24 +534,6 @@ class Splitter {
       return true;
     }
     return false;
-  }
-
-  /// Side of the cut on which a vertex lies that is no further from it than may be absorbed.
-  std::optional<int> sideIfThin(CellId cell, VertexId v, double distance) const {
-    const double reach = distance * snap_tolerance_ * mesh().localSize(v);
-    std::optional<int> side;
-    for (const auto& [a, b] : mesh().edges(cell)) {
-      if (a != v && b != v) continue;
-      const VertexId other = a == v ? b : a;
-      const double length = (mesh().restPosition(b) - mesh().restPosition(a)).norm();
-      if (const auto* crossed = crossings_.find(cell, {a, b})) {
-        const double weight = crossed->weightAt(a == v);
-        if (length * (a == v ? weight : 1 - weight) < reach) side = crossed->sideAt(a == v);
-      } else if (!side && crossings_.isSnapped(cell, other) && length < reach) {
-        side = crossings_.sideOfNeighbour(other, v);
-      }
-    }
-    return side;
   }
 
   /// What is to be taken back with a trial that has led nowhere.

@@ -2,6 +2,7 @@
 #include "polyscalpel/mesh/mesh_checks.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <utility>
 
@@ -198,10 +199,9 @@ class MeshChecker {
 
   void checkSubTets() {
     for (const CellId id : mesh_.cells()) {
-      double size = kInfinity;
-      for (const VertexId vertex : mesh_.cell(id).vertices) size = std::min(size, mesh_.localSize(vertex));
-      const double smallest = smallestSubTetVolume(makeCellSurface(mesh_, id, mesh_.restPositions()));
-      const double bound = kSmallestRelativeSubTet * size * size * size;
+      const CellSurface surface = makeCellSurface(mesh_, id, mesh_.restPositions());
+      const double smallest = smallestSubTetVolume(surface);
+      const double bound = smallestSubTetAllowed(surface, mesh_.localSize(id));
       if (!(smallest > bound)) {
         report("cell ", id.index(), ": smallest sub-tet ", smallest, " m^3, must be above ", bound, " m^3");
       }
@@ -213,6 +213,15 @@ class MeshChecker {
 };
 
 }  // namespace
+
+double smallestSubTetAllowed(const CellSurface& surface, double local_size_m) {
+  const auto vertices = surface.points.leftCols(surface.num_vertices);
+  const Eigen::Vector3d mean = vertices.rowwise().mean();
+  // No edge is longer than this.
+  const double extent = 2 * std::sqrt((vertices.colwise() - mean).colwise().squaredNorm().maxCoeff());
+  const double size = std::min(local_size_m, extent);
+  return kSmallestRelativeSubTet * size * size * size;
+}
 
 std::vector<std::string> checkMesh(const PolyhedralMesh& mesh) {
   return MeshChecker(mesh).check();

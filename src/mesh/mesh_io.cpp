@@ -151,10 +151,9 @@ void requirePositiveVolumes(const VolumeData& data) {
 /// A cell of positive volume may still be folded, or flat in a part.
 void requireStarShaped(const PolyhedralMesh& mesh, const VolumeData& data) {
   for (const CellId id : mesh.cells()) {
-    double size = kInfinity;
-    for (const VertexId vertex : mesh.cell(id).vertices) size = std::min(size, mesh.localSize(vertex));
-    const double smallest = smallestSubTetVolume(makeCellSurface(mesh, id, mesh.restPositions()));
-    const double bound = kSmallestRelativeSubTet * size * size * size;
+    const CellSurface surface = makeCellSurface(mesh, id, mesh.restPositions());
+    const double smallest = smallestSubTetVolume(surface);
+    const double bound = smallestSubTetAllowed(surface, mesh.localSize(id));
     if (smallest > bound) continue;
     refuse("cell ", data.cell_numbers[id.index()],
            " is folded or flat: its smallest part between centre and surface ", "has ", smallest,

@@ -127,6 +127,28 @@ TEST(SilentBridge, AHitKnowsTheAngleToTheSurfaceHoweverLongTheBladeThatTurns) {
   }
 }
 
+TEST(SilentBridge, AStrokePartsABodyHoweverItComesToItsCells) {
+  // A curved stroke that snaps a corner by an edge far from the cells it comes to next, and strokes that turn
+  // back and come through corners of their own slit once more.
+  const auto subjects = tortureSubjects(TortureSize::kUsual);
+  struct Body {
+    std::string name;
+    unsigned seed;
+    int cuts;
+  };
+  for (const Body& body : std::vector<Body>{{"ball", 47, 1}, {"beam", 28, 23}, {"ball", 74, 19}}) {
+    for (const TortureSubject& subject : subjects) {
+      if (subject.name != body.name) continue;
+      TorturePlan plan;
+      plan.first_seed = body.seed;
+      plan.cuts_per_body = body.cuts;
+      std::vector<TortureFailure> failures;
+      for (const TortureRow& row : torture(subject, plan, failures))
+        EXPECT_EQ(row.pieces_missing, 0) << body.name << ", seed " << body.seed << ": " << row.kind;
+    }
+  }
+}
+
 TEST(SilentBridge, WhatHangsTogetherIsCountedAsLeftWhole) {
   // Bodies that have hung together by cells with all corners in the slit and by parts of a cell that falls
   // into more than two.

@@ -110,6 +110,21 @@ TEST(SplitCells, AStrokeThatCrossesAnEdgeTwiceBitesNothingOffIt) {
   EXPECT_EQ(result.cells_left_whole, 0);
 }
 
+TEST(SplitCells, ASmallPartOfGoodShapeComesOff) {
+  // Three planes at right angles cut a cube of 0.002 h off a corner: its sub-tets have 3e-10 h^3.
+  PolyhedralMesh mesh = makeHexBox(Vector3d::Zero(), Vector3d::Ones(), {1, 1, 1});
+  CuttingConfig config;
+  config.snap_tolerance = 1e-6;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Matrix3Xd positions = mesh.restPositions();
+    const PlaneCut plane{Vector3d::Constant(0.002), Vector3d::Unit(axis)};
+    const CutResult result = cutMesh(mesh, positions, plane, config, axis + 1);
+    EXPECT_EQ(result.cells_left_whole, 0) << axis;
+    EXPECT_EQ(result.pieces_after, 2 << axis);
+    EXPECT_TRUE(checkMesh(mesh).empty()) << checkMesh(mesh).front();
+  }
+}
+
 TEST(SplitCells, WhatRandomCutsPassComesApart) {
   // Bodies in which caps had facets in the plane of a part's own faces, in which parts up to twice as thick
   // as the snap distance joined the cut although a division would have had them come apart, in which no plane
@@ -129,7 +144,9 @@ TEST(SplitCells, WhatRandomCutsPassComesApart) {
                                             {"block", 6, 13},
                                             {"block", 11, 22},
                                             {"block", 21, 19},
-                                            {"block", 41, 17}}) {
+                                            {"block", 41, 17},
+                                            {"block", 236, 9},
+                                            {"block", 308, 5}}) {
     for (const TortureSubject& subject : subjects) {
       if (subject.name != body.name) continue;
       TorturePlan plan;

@@ -101,7 +101,9 @@ HardCase cutsHardlySnapped(Extent extent) {
   // vertices.
   HardCase row = cutBodies(1e-6, false, 1e-7, extent);
   row.limit =
-      "Parts with a sub-tet below 1e-8 of h^3 are refused; the cell stays whole and is counted. " + row.limit;
+      "Parts with a sub-tet below 1e-8 of h^3, or of their extent's cube, are refused; the cell stays whole "
+      "and is counted. " +
+      row.limit;
   return row;
 }
 

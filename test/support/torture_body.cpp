@@ -24,18 +24,15 @@ using Eigen::Vector3d;
 /// Progressive cuts are checked after each step up to so many cells; larger meshes when the stroke ends.
 constexpr int kMostCellsCheckedEachStep = 4000;
 
-double largestLocalSize(const PolyhedralMesh& mesh, CellId cell) {
-  double size = 0;
-  for (const VertexId v : mesh.cell(cell).vertices) size = std::max(size, mesh.localSize(v));
-  return size;
-}
-
 /// A vertex made between two others has the smaller of their sizes, and may lie as far off a cut as the one
 /// of the larger size, through which the cut goes.
-double largestLocalSizeAround(const PolyhedralMesh& mesh, VertexId vertex) {
-  double size = 0;
-  for (const CellId cell : cellsAround(mesh, vertex)) size = std::max(size, largestLocalSize(mesh, cell));
-  return size;
+std::vector<VertexId> verticesAround(const PolyhedralMesh& mesh, VertexId vertex) {
+  std::vector<VertexId> around;
+  for (const CellId cell : cellsAround(mesh, vertex)) {
+    const auto& vertices = mesh.cell(cell).vertices;
+    around.insert(around.end(), vertices.begin(), vertices.end());
+  }
+  return around;
 }
 
 double relativeLength(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
@@ -89,6 +86,7 @@ TortureBody::TortureBody(std::string name, PolyhedralMesh mesh, bool is_convex)
     sizes.push_back(mesh_.localSize(VertexId(i)));
     box_.extend(mesh_.restPosition(VertexId(i)));
   }
+  sizes_ = sizes;
   std::nth_element(sizes.begin(), sizes.begin() + sizes.size() / 2, sizes.end());
   size_ = sizes[sizes.size() / 2];
   volume_ = volume(mesh_, mesh_.restPositions());
@@ -135,10 +133,22 @@ CutResult TortureBody::cutProgressively(const TortureCut& cut, const CuttingConf
   return sum;
 }
 
-std::optional<std::vector<bool>> TortureBody::signatureOf(const Vector3d& rest_position, double local_size,
+double TortureBody::sizeFor(const Known& separator, const std::vector<VertexId>& vertices) const {
+  // The separator has not known a vertex that was made after it: what it left within the snap distance, by
+  // the sizes of then, is to be left.
+  double size = 0;
+  for (const VertexId v : vertices)
+    size = std::max(size, v.index() < separator.num_vertices ? mesh_.localSize(v) : sizes_[v.index()]);
+  return size;
+}
+
+std::optional<std::vector<bool>> TortureBody::signatureOf(const Vector3d& rest_position,
+                                                          const std::vector<VertexId>& vertices,
                                                           const CuttingConfig& config) const {
   std::vector<bool> signature;
-  for (const auto& [separator, deformation] : separators_) {
+  for (const Known& known : separators_) {
+    const auto& [separator, deformation, num_vertices] = known;
+    const double local_size = sizeFor(known, vertices);
     const double distance = separator.distance(deformation ? (*deformation)(rest_position) : rest_position);
     // A deformed edge stays straight while the map bends it: the sag of the map over one cell comes on top.
     double limit = (config.snap_tolerance * (1 + 1e-6) + separator.slack) * local_size;
@@ -157,8 +167,8 @@ void TortureBody::compareWithSeparators(const CuttingConfig& config, TortureOutc
   const Pieces pieces = findPieces(mesh_);
   std::map<int, std::set<std::vector<bool>>> signatures_of_piece;
   std::map<std::vector<bool>, std::set<int>> pieces_of_signature;
-  const auto add = [&](const Vector3d& point, double local_size, CellId cell) {
-    const auto signature = signatureOf(point, local_size, config);
+  const auto add = [&](const Vector3d& point, const std::vector<VertexId>& vertices, CellId cell) {
+    const auto signature = signatureOf(point, vertices, config);
     if (!signature) return;
     const int piece = pieces.piece_of_cell[cell.index()];
     signatures_of_piece[piece].insert(*signature);
@@ -167,13 +177,12 @@ void TortureBody::compareWithSeparators(const CuttingConfig& config, TortureOutc
   for (int i = 0; i < mesh_.numVertices(); ++i) {
     const VertexId v(i);
     if (!mesh_.facesAround(v).empty())
-      add(mesh_.restPosition(v), largestLocalSizeAround(mesh_, v),
-          mesh_.face(mesh_.facesAround(v).front()).cells[0]);
+      add(mesh_.restPosition(v), verticesAround(mesh_, v), mesh_.face(mesh_.facesAround(v).front()).cells[0]);
   }
   for (const CellId id : mesh_.cells()) {
     Vector3d mean = Vector3d::Zero();
     for (const VertexId v : mesh_.cell(id).vertices) mean += mesh_.restPosition(v);
-    add(mean / mesh_.cell(id).vertices.size(), largestLocalSize(mesh_, id), id);
+    add(mean / mesh_.cell(id).vertices.size(), mesh_.cell(id).vertices, id);
   }
   for (const auto& [piece, signatures] : signatures_of_piece)
     outcome.pieces_missing += static_cast<int>(signatures.size()) - 1;
@@ -207,6 +216,7 @@ void TortureBody::measureEdges(int first_new_vertex, const std::vector<NewVertex
   }
   for (const NewVertex& made : new_vertices) {
     if (made.parents[0] == made.parents[1] || made.vertex.index() < first_new_vertex) continue;
+    if (made.weight == 0.5) continue;  // opens a shut edge in its middle, however short
     for (const VertexId parent : made.parents)
       outcome.shortest_part = std::min(outcome.shortest_part, relativeLength(mesh_, made.vertex, parent));
   }
@@ -241,6 +251,8 @@ TortureOutcome TortureBody::apply(const TortureCut& cut, const CuttingConfig& co
   if (result.pieces_after != found) outcome.violations.push_back("pieces_after is not the flood fill");
   if (mesh_.numVertices() - first_new_vertex != static_cast<int>(result.change.new_vertices.size()))
     outcome.violations.push_back("new_vertices are not the vertices that were added");
+  for (const NewVertex& made : result.change.new_vertices)
+    sizes_.push_back(std::max(sizes_[made.parents[0].index()], sizes_[made.parents[1].index()]));
   outcome.volume_error = volume(mesh_, mesh_.restPositions()) / volume_ - 1;
   measureEdges(first_new_vertex, result.change.new_vertices, outcome);
 
@@ -254,7 +266,8 @@ TortureOutcome TortureBody::apply(const TortureCut& cut, const CuttingConfig& co
   }
   if (cut.is_repeat && was_last_complete_) outcome.pieces_torn += std::abs(found - pieces_);
   pieces_ = found;
-  if (cut.separator && !outcome.was_refused) separators_.push_back({*cut.separator, cut.deformation});
+  if (cut.separator && !outcome.was_refused)
+    separators_.push_back({*cut.separator, cut.deformation, first_new_vertex});
   are_all_planes_ = are_all_planes_ && is_plane;
   compareWithSeparators(config, outcome);
   if (outcome.pieces_missing > 0) forgetFailedSeparator(config);

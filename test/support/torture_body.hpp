@@ -63,7 +63,8 @@ struct TortureOutcome {
   double piece_volume_error = 0;  ///< see PlaneComparison; only of the first plane through a convex body
   /// Of the mesh, rest length by the local size; kInfinity where the cut was refused as no cut.
   double shortest_edge = kInfinity;
-  double shortest_part = 1;  ///< the same of the edges that the cut has divided; 1 where it has none
+  /// The same of the edges that the cut has crossed and divided; 1 where it has none.
+  double shortest_part = 1;
 };
 
 class TortureBody {
@@ -88,13 +89,18 @@ class TortureBody {
   struct Known {
     Separator separator;
     std::optional<SmoothDeformation> deformation;
+    int num_vertices = 0;  // of the mesh that it cut
   };
 
   CutResult cutAtOnce(const TortureCut& cut, const CuttingConfig& config);
   CutResult cutProgressively(const TortureCut& cut, const CuttingConfig& config, TortureOutcome& outcome);
   /// Signed side of each separator, none where the point is too near to one of them to tell.
-  std::optional<std::vector<bool>> signatureOf(const Eigen::Vector3d& rest_position, double local_size,
+  /// vertices: those that it is taken from.
+  std::optional<std::vector<bool>> signatureOf(const Eigen::Vector3d& rest_position,
+                                               const std::vector<VertexId>& vertices,
                                                const CuttingConfig& config) const;
+  /// Local size [m] by which a separator judges a place at these vertices.
+  double sizeFor(const Known& separator, const std::vector<VertexId>& vertices) const;
   void compareWithSeparators(const CuttingConfig& config, TortureOutcome& outcome);
   /// Takes out the separator without which nothing is missing: what is found once would be found after every
   /// later cut.
@@ -111,6 +117,7 @@ class TortureBody {
   int num_cuts_ = 0, pieces_ = 0;
   bool was_last_complete_ = true;  // the last cut left nothing whole and nothing hanging together
   std::vector<Known> separators_;
+  std::vector<double> sizes_;  // of the vertices: the largest of those between which each was made
 };
 
 /// Number of pieces of a mesh by our own flood fill, which joins cells whose faces have the same vertices and

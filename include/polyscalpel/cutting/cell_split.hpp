@@ -30,7 +30,7 @@ class CellSplit {
 
   /// Divides the edges and faces that the border crosses. The mesh is to be rolled back by the caller where
   /// this or divide() fails: the border is not one loop, or a part would be thinner than
-  /// kSmallestRelativeSubTet.
+  /// isSound() allows.
   bool findBorder();
 
   /// Whether the border has left the neighbours of the cell sound, which it has given vertices and chords. To
@@ -86,7 +86,7 @@ class CellSplit {
   int side_votes_ = 0;
 };
 
-/// Whether every sub-tet of the cell is above kSmallestRelativeSubTet.
+/// Whether every sub-tet of the cell is above smallestSubTetAllowed().
 bool isSound(const PolyhedralMesh& mesh, CellId cell);
 
 }  // namespace polyscalpel

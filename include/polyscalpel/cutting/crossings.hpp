@@ -117,6 +117,8 @@ class Crossings {
   const std::set<VertexId>& openVertices() const { return open_vertices_; }
   /// The faces around the vertex need not be looked at again.
   void release(VertexId vertex) { open_vertices_.erase(vertex); }
+  /// The faces around a snapped vertex are to be looked at once more.
+  void reopen(VertexId vertex) { open_vertices_.insert(vertex); }
 
   const std::unordered_map<Edge, CrossedEdge, EdgeHash>& edges() const { return edges_; }
   bool isEmpty() const { return edges_.empty() && snaps_.empty(); }
@@ -128,6 +130,11 @@ class Crossings {
   void putCellsAround(const PolyhedralMesh& mesh, Edge edge);
   /// As putCellsAround(), for a hit: a cell that the blade had left begins another pass.
   void passCells(const std::vector<CellId>& cells);
+  /// The same for those that have the edge which is hit: the blade is in them.
+  void meetCells(const std::vector<CellId>& cells);
+  /// Whether the blade has left a cell that is ready. One of which it has only snapped a corner, by an edge
+  /// beyond, it may still have to come to, as long as it is at another cell around that corner.
+  bool hasLeft(const PolyhedralMesh& mesh, CellId cell, const std::function<bool(CellId)>& is_ready) const;
   /// Has the part of a cell be passed as the cell was.
   void inheritPasses(CellId cell, CellId part);
   /// Snaps a vertex made between two snapped ones.
@@ -166,7 +173,9 @@ class Crossings {
   std::unordered_map<Edge, CrossedEdge, EdgeHash> edges_;
   std::unordered_map<VertexId, Snap> snaps_;
   std::unordered_map<CellId, Part> parts_;
-  std::unordered_map<CellId, int> taken_;        ///< when the cells that the blade has left were taken
+  /// In place of the time at which the blade had left a cell, where it has not.
+  static constexpr int kUnderWay = -1;
+  std::unordered_map<CellId, int> passes_;  ///< through cells, and when these were taken once it had left
   std::unordered_map<CellId, Earlier> earlier_;  ///< passes, of cells to which the blade has come back
   std::set<VertexId> open_vertices_;
   std::set<CellId> cells_;  ///< to be looked at
