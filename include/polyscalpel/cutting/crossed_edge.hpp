@@ -7,7 +7,10 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/Core>
+
 #include "polyscalpel/core/types.hpp"
+#include "polyscalpel/mesh/polyhedral_mesh.hpp"
 
 namespace polyscalpel {
 
@@ -34,16 +37,18 @@ struct Hit {
   int sign =
       0;  ///< +1: edge.first lies behind the blade's surface and edge.second before it; -1: the reverse
   double alignment = 1;  ///< |cos| of the angle between the edge and the normal of the blade's surface
-  bool is_flat = true;   ///< the surface is a plane, however far from here; else that of a blade's way
+  /// Of the surface, of length 1, where that is a blade's way, which bends; zero where it is a plane.
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 
 /// A crossed edge.
 struct CrossedEdge {
   double weight = 0;
-  int sign = 0;          ///< as in Hit, at weight
-  double alignment = 1;  ///< as in Hit
-  int time = 0;          ///< of the hit, counted in rounds of cutting as all times of Crossings
-  int last_time = 0;     ///< when the blade was last here
+  int sign = 0;                                      ///< as in Hit, at weight
+  double alignment = 1;                              ///< as in Hit
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< as in Hit
+  int time = 0;       ///< of the hit, counted in rounds of cutting as all times of Crossings
+  int last_time = 0;  ///< when the blade was last here
   /// Where a bent surface comes back through the edge, > weight; infinite: nowhere.
   double second_weight = std::numeric_limits<double>::infinity();
 
@@ -59,5 +64,16 @@ struct CrossedEdge {
   /// What lies on the part of the edge up to `end`; nothing where none does.
   std::optional<CrossedEdge> upTo(double end) const;
 };
+
+/// Whether a hit lies on the sheet that has crossed its edge already: within the snap distance.
+bool isSamePlace(const PolyhedralMesh& mesh, const Hit& hit, const CrossedEdge& crossed,
+                 double snap_tolerance);
+
+/// Whether a blade's way only grazes an edge: it goes on to the same side, bent, and comes back through the
+/// edge within the snap distance. Where the blade is drawn back instead, its normal turns round.
+bool isGrazed(const PolyhedralMesh& mesh, const Hit& hit, const CrossedEdge& crossed, double snap_tolerance);
+
+/// Whether two surfaces with these normals cross; not where one is not known, that is, zero.
+bool isAtAngle(const Eigen::Vector3d& normal, const Eigen::Vector3d& other);
 
 }  // namespace polyscalpel

@@ -28,7 +28,8 @@ namespace polyscalpel {
 class Crossings {
  public:
   /// Remembers a hit; the first one on an edge wins, until the blade has left all cells around it and comes
-  /// back elsewhere on the edge. Dropped: a hit within the snap distance of the slit that this stroke has
+  /// back elsewhere on the edge. Where a bent way only grazes the edge, its second hit takes the first one
+  /// back. Dropped: a hit within the snap distance of the slit that this stroke has
   /// just made, and one on an edge that lies in the slit, but not where the stroke crosses the slit.
   void add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tolerance);
 
@@ -139,9 +140,12 @@ class Crossings {
   void inheritPasses(CellId cell, CellId part);
   /// Snaps a vertex made between two snapped ones.
   void snapBetween(const NewVertex& origin);
-  void snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, int time);
+  /// normal: see Snap.
+  void snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, int time,
+              const Eigen::Vector3d& normal = Eigen::Vector3d::Zero());
   /// A hit nearer than the snap distance to a vertex that is snapped already.
-  void addAtSnapped(const PolyhedralMesh& mesh, VertexId vertex, VertexId other, int other_side);
+  void addAtSnapped(const PolyhedralMesh& mesh, VertexId vertex, VertexId other, int other_side,
+                    const Eigen::Vector3d& normal);
   bool isOfEarlierPass(CellId cell, int last_time) const;
   /// Whether the blade has left all cells around a vertex of the slit and what was to open there is open.
   bool isReleased(VertexId vertex) const { return open_vertices_.count(vertex) == 0; }
@@ -155,7 +159,9 @@ class Crossings {
     std::vector<std::pair<VertexId, int>>
         neighbours;                               ///< sides of vertices at the other end of crossed edges
     std::vector<std::pair<VertexId, int>> again;  ///< the same as the blade comes back, released before
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< of the blade's way here; zero where not known
     int sideOfNeighbour(VertexId neighbour) const;
+    void forgetNeighbour(VertexId neighbour);
   };
   /// In place of the time at which a corner became one, where the part still counts it.
   static constexpr int kNotYetSettled = -1;
