@@ -110,10 +110,13 @@ void afterCutRow(benchmark::State& state, const StepBody& body, int num_cuts) {
       return;
     }
     const double before = medianOf(runs, &Timeline::before, 0);
-    double worst = 0, cut = 0;
+    double worst = 0, cut = 0, worst_in_row = 0, last = before;
     int iterations = 0, fallbacks = 0;
     for (std::size_t k = 0; k < runs[0].first.size(); ++k) {
-      worst = std::max(worst, medianOf(runs, &Timeline::first, k));
+      const double first = medianOf(runs, &Timeline::first, k);
+      worst = std::max(worst, first);
+      worst_in_row = std::max(worst_in_row, first / last);
+      last = first;
       iterations = std::max(iterations, runs[0].first_solvers[k].iterations);
       fallbacks += runs[0].first_solvers[k].fallbacks;
       cut = std::max(cut, medianOf(runs, &Timeline::cut, k));
@@ -126,6 +129,7 @@ void afterCutRow(benchmark::State& state, const StepBody& body, int num_cuts) {
     state.counters["first_iterations"] = iterations;
     state.counters["fallbacks"] = fallbacks;
     state.counters["ratio"] = worst / before;
+    state.counters["ratio_in_row"] = worst_in_row;  // to the step before each, which a cut precedes as well
     state.counters["cells_split"] = *std::max_element(runs[0].cells_split.begin(), runs[0].cells_split.end());
   }
 }
