@@ -234,8 +234,9 @@ class LockstepTest(unittest.TestCase):
         self.assertTrue(self.listener.status[int(last_s / H) - 2].tools[0].enabled)
         # It comes back elsewhere: set down anew, no slash on the way.
         cuts = self.listener.status[-1].cuts
-        self.send('finger', self.away(1.0, T0 + 5.02))
+        # First, since the finger's stamps alone carry time on as long as the scalpel has no pose.
         self.send('scalpel', self.away(1.0, T0 + 5.02))
+        self.send('finger', self.away(1.0, T0 + 5.02))
         self.wait_for_time(6.0)
         self.assertTrue(self.listener.tool('scalpel').enabled)
         self.assertEqual(self.listener.status[-1].pieces, 1)
