@@ -104,7 +104,7 @@ TEST(OwnSlit, ALoopAskewToTheCellsComesOffToo) {
 
 TEST(OwnSlit, ALoopThroughABallComesOffThoughItGrazesEdges) {
   // Cells at all angles to the way: its bend passes edges of theirs in and out, at corners two snap distances
-  // away, and it goes down through its own slit beside corners of that.
+  // away, and it goes down through its own slit beside corners of that. These have hung on.
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-1, 1);
   const Vector3d middle(0.5, 0.5, 0.5);
@@ -112,8 +112,7 @@ TEST(OwnSlit, ALoopThroughABallComesOffThoughItGrazesEdges) {
     const double angle = 0.3 * uniform(random);
     const Vector3d axis = Vector3d(uniform(random), uniform(random), uniform(random)).normalized();
     const double dx = 0.03 * uniform(random), dy = 0.03 * uniform(random);
-    constexpr int kBridged[] = {1,  2,  12, 17,
-                                26, 31, 45};  // as long as corners were snapped by the way's tangent
+    constexpr int kBridged[] = {1, 2, 12, 17, 26, 31, 45};
     if (std::find(std::begin(kBridged), std::end(kBridged), trial) == std::end(kBridged)) continue;
     PolyhedralMesh mesh = makeTetBall(middle, 0.5, 4);
     EXPECT_EQ(drawLoop(mesh, dx, dy, at(middle) * AngleAxisd(angle, axis) * at(-middle)), 0) << trial;

@@ -130,43 +130,29 @@ TEST(SilentBridge, AHitKnowsTheAngleToTheSurfaceHoweverLongTheBladeThatTurns) {
 TEST(SilentBridge, AStrokePartsABodyHoweverItComesToItsCells) {
   // A curved stroke that snaps a corner by an edge far from the cells it comes to next, and strokes that turn
   // back and come through corners of their own slit once more.
-  const auto subjects = tortureSubjects(TortureSize::kUsual);
   struct Body {
     std::string name;
     unsigned seed;
     int cuts;
   };
   for (const Body& body : std::vector<Body>{{"ball", 47, 1}, {"beam", 28, 23}, {"ball", 74, 19}}) {
-    for (const TortureSubject& subject : subjects) {
-      if (subject.name != body.name) continue;
-      TorturePlan plan;
-      plan.first_seed = body.seed;
-      plan.cuts_per_body = body.cuts;
-      std::vector<TortureFailure> failures;
-      for (const TortureRow& row : torture(subject, plan, failures))
-        EXPECT_EQ(row.pieces_missing, 0) << body.name << ", seed " << body.seed << ": " << row.kind;
-    }
+    std::vector<TortureFailure> failures;
+    for (const TortureRow& row : torture(TortureSize::kUsual, body.name, body.seed, body.cuts, failures))
+      EXPECT_EQ(row.pieces_missing, 0) << body.name << ", seed " << body.seed << ": " << row.kind;
   }
 }
 
 TEST(SilentBridge, WhatHangsTogetherIsCountedAsLeftWhole) {
   // Bodies that have hung together by cells with all corners in the slit and by parts of a cell that falls
   // into more than two.
-  const auto subjects = tortureSubjects(TortureSize::kSmall);
   for (const auto& [name, seed] : {std::make_pair("beam", 12u), std::make_pair("ball", 4u)}) {
-    for (const TortureSubject& subject : subjects) {
-      if (subject.name != name) continue;
-      TorturePlan plan;
-      plan.cuts_per_body = 12;
-      plan.first_seed = seed;
-      std::vector<TortureFailure> failures;
-      torture(subject, plan, failures);
-      for (const TortureFailure& failure : failures) {
-        const bool is_missing = failure.what.find("missing") != std::string::npos;
-        const bool is_counted = failure.what.find("left whole") != std::string::npos;
-        EXPECT_TRUE(!is_missing || is_counted)
-            << name << ", cut " << failure.cut << " (" << failure.kind << "): " << failure.what;
-      }
+    std::vector<TortureFailure> failures;
+    torture(TortureSize::kSmall, name, seed, 12, failures);
+    for (const TortureFailure& failure : failures) {
+      const bool is_missing = failure.what.find("missing") != std::string::npos;
+      const bool is_counted = failure.what.find("left whole") != std::string::npos;
+      EXPECT_TRUE(!is_missing || is_counted)
+          << name << ", cut " << failure.cut << " (" << failure.kind << "): " << failure.what;
     }
   }
 }

@@ -130,7 +130,6 @@ TEST(SplitCells, WhatRandomCutsPassComesApart) {
   // as the snap distance joined the cut although a division would have had them come apart, in which no plane
   // across the border but an askew one divides a cell soundly, and in which a vertex between two corners of
   // the cut, or at the end of a chord that a division has made, was taken to lie on the wrong side.
-  const std::vector<TortureSubject> subjects = tortureSubjects(TortureSize::kSmall);
   struct Body {
     std::string name;
     unsigned seed;
@@ -147,17 +146,11 @@ TEST(SplitCells, WhatRandomCutsPassComesApart) {
                                             {"block", 41, 17},
                                             {"block", 236, 9},
                                             {"block", 308, 5}}) {
-    for (const TortureSubject& subject : subjects) {
-      if (subject.name != body.name) continue;
-      TorturePlan plan;
-      plan.first_seed = body.seed;
-      plan.cuts_per_body = body.cuts;
-      std::vector<TortureFailure> failures;
-      for (const TortureRow& row : torture(subject, plan, failures)) {
-        EXPECT_EQ(row.left_whole, 0) << body.name << ", seed " << body.seed << ": " << row.kind;
-        EXPECT_EQ(row.pieces_missing, 0) << body.name << ", seed " << body.seed << ": " << row.kind;
-        EXPECT_EQ(row.invalid, 0) << body.name << ", seed " << body.seed << ": " << row.kind;
-      }
+    std::vector<TortureFailure> failures;
+    for (const TortureRow& row : torture(TortureSize::kSmall, body.name, body.seed, body.cuts, failures)) {
+      EXPECT_EQ(row.left_whole, 0) << body.name << ", seed " << body.seed << ": " << row.kind;
+      EXPECT_EQ(row.pieces_missing, 0) << body.name << ", seed " << body.seed << ": " << row.kind;
+      EXPECT_EQ(row.invalid, 0) << body.name << ", seed " << body.seed << ": " << row.kind;
     }
   }
 }

@@ -134,4 +134,16 @@ std::vector<TortureRow> torture(const TortureSubject& subject, const TorturePlan
   return rows;
 }
 
+std::vector<TortureRow> torture(TortureSize size, const std::string& name, unsigned seed, int num_cuts,
+                                std::vector<TortureFailure>& failures) {
+  for (const TortureSubject& subject : tortureSubjects(size)) {
+    if (subject.name != name) continue;
+    TorturePlan plan;
+    plan.first_seed = seed;
+    plan.cuts_per_body = num_cuts;
+    return torture(subject, plan, failures);
+  }
+  throw std::invalid_argument("no body to torture is called " + name);
+}
+
 }  // namespace polyscalpel

@@ -94,4 +94,8 @@ std::vector<TortureRow> emptyTortureRows(const std::string& mesh);
 std::vector<TortureRow> torture(const TortureSubject& subject, const TorturePlan& plan,
                                 std::vector<TortureFailure>& failures);
 
+/// The same for one body of the subject of this name.
+std::vector<TortureRow> torture(TortureSize size, const std::string& name, unsigned seed, int num_cuts,
+                                std::vector<TortureFailure>& failures);
+
 }  // namespace polyscalpel

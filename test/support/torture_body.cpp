@@ -35,6 +35,11 @@ std::vector<VertexId> verticesAround(const PolyhedralMesh& mesh, VertexId vertex
   return around;
 }
 
+bool isOnWall(const PolyhedralMesh& mesh, VertexId vertex) {
+  const auto& faces = mesh.facesAround(vertex);
+  return std::any_of(faces.begin(), faces.end(), [&](FaceId id) { return mesh.face(id).cut > 0; });
+}
+
 double relativeLength(const PolyhedralMesh& mesh, VertexId a, VertexId b) {
   return (mesh.restPosition(b) - mesh.restPosition(a)).norm() /
          std::min(mesh.localSize(a), mesh.localSize(b));
@@ -216,7 +221,8 @@ void TortureBody::measureEdges(int first_new_vertex, const std::vector<NewVertex
   }
   for (const NewVertex& made : new_vertices) {
     if (made.parents[0] == made.parents[1] || made.vertex.index() < first_new_vertex) continue;
-    if (made.weight == 0.5) continue;  // opens a shut edge in its middle, however short
+    // The middle of a shut edge between two walls, which opens it, however short it is.
+    if (made.weight == 0.5 && isOnWall(mesh_, made.parents[0]) && isOnWall(mesh_, made.parents[1])) continue;
     for (const VertexId parent : made.parents)
       outcome.shortest_part = std::min(outcome.shortest_part, relativeLength(mesh_, made.vertex, parent));
   }
