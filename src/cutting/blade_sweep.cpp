@@ -20,6 +20,10 @@ using Positions = Eigen::Ref<const Matrix3Xd>;
 
 constexpr int kMostHalvings = 8;
 
+/// The two triangles that stand for what a segment of the blade sweeps in a sub-step are to be no further
+/// from its ruled surface than this times localSize.
+constexpr double kLargestSag = 0.01;
+
 AlignedBox3d boxOf(const Positions& points) {
   return {Vector3d(points.rowwise().minCoeff()), Vector3d(points.rowwise().maxCoeff())};
 }
@@ -123,6 +127,15 @@ double longestWay(const Matrix3Xd& edge_tool, const Isometry3d& T_start, const I
          (T_end.translation() - T_start.translation()).norm();
 }
 
+/// By how much more one end of a segment of the blade travels than its other end would, were it not for the
+/// turning: a sum over the ways of sub-steps.
+double longestTwist(const Matrix3Xd& edge_tool, const Isometry3d& T_start, const Isometry3d& T_end) {
+  const double angle =
+      Eigen::Quaterniond(T_start.linear()).angularDistance(Eigen::Quaterniond(T_end.linear()));
+  const Eigen::Index last = edge_tool.cols() - 1;
+  return angle * (edge_tool.rightCols(last) - edge_tool.leftCols(last)).colwise().norm().maxCoeff();
+}
+
 /// The travel of a blade, by so much larger that rounding takes nothing away that it reaches.
 double reachOfMotion(const Matrix3Xd& blade, double travel) {
   return atLeast(travel, blade.cwiseAbs().maxCoeff() + travel);
@@ -150,12 +163,18 @@ class Sweep {
         drift = std::max(drift, driftOf(v));
       }
     }
-    travel_in_sizes_ = edges_.empty() ? 0 : (travel + drift) / size;
+    if (edges_.empty()) return;
+    travel_in_sizes_ = (travel + drift) / size;
+    twist_in_sizes_ =
+        longestTwist(motion.edge_tool, motion.T_world_tool_start, motion.T_world_tool_end) / size;
   }
 
   /// Longest way of the blade relative to the tissue over the step, as a multiple of the smallest localSize
   /// near it.
   double travelInSizes() const { return travel_in_sizes_; }
+
+  /// Likewise, longest way of one end of a segment of the blade relative to its other end.
+  double twistInSizes() const { return twist_in_sizes_; }
 
   void findHits(double from, double to, int halvings_left, std::vector<Hit>& hits) const {
     if (edges_.empty()) return;
@@ -274,7 +293,7 @@ class Sweep {
   const BladeMotion& motion_;
   std::vector<Edge> edges_;
   bool moves_ = false;
-  double travel_in_sizes_ = 0;
+  double travel_in_sizes_ = 0, twist_in_sizes_ = 0;
 };
 
 }  // namespace
@@ -355,9 +374,11 @@ std::vector<Hit> findHits(const PolyhedralMesh& mesh, const CellTree& tree, cons
 std::optional<std::vector<Hit>> findHits(const PolyhedralMesh& mesh, const CellTree& tree,
                                          const BladeMotion& motion, double max_travel) {
   const Sweep sweep(mesh, tree, motion);
-  const double sub_steps = std::ceil(sweep.travelInSizes() / max_travel);
-  if (!(sub_steps <= kMostSubSteps)) return std::nullopt;
-  const int count = std::max(1, static_cast<int>(sub_steps));
+  const double for_travel = std::ceil(sweep.travelInSizes() / max_travel);
+  if (!(for_travel <= kMostSubSteps)) return std::nullopt;
+  // A quadrilateral whose ends differ by a twist is a quarter of that off its two triangles in its middle.
+  const double for_twist = std::ceil(sweep.twistInSizes() / (4 * kLargestSag));
+  const int count = static_cast<int>(std::clamp(std::max(for_travel, for_twist), 1.0, double{kMostSubSteps}));
   std::vector<Hit> hits;
   for (int i = 0; i < count; ++i) {
     sweep.findHits(static_cast<double>(i) / count, static_cast<double>(i + 1) / count, kMostHalvings, hits);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "polyscalpel/core/checks.hpp"
+#include "polyscalpel/cutting/vertices_in_line.hpp"
 #include "polyscalpel/mesh/mesh_editing.hpp"
 #include "polyscalpel/mesh/surface.hpp"
 
@@ -374,13 +375,19 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
   return own > 0 ? 1 : -1;
 }
 
-bool Crossings::isInSlit(const Face& face) const {
-  return std::all_of(face.loop.begin(), face.loop.end(), [&](VertexId v) {
+bool Crossings::isInSlit(const PolyhedralMesh& mesh, const Face& face) const {
+  const auto is_on_cut = [&](VertexId v) {
     const auto snap = snaps_.find(v);
     return snap != snaps_.end() && std::none_of(face.cells.begin(), face.cells.end(), [&](CellId cell) {
              return isOfEarlierPass(cell, snap->second.last_time);
            });
-  });
+  };
+  const auto num_on_cut = std::count_if(face.loop.begin(), face.loop.end(), is_on_cut);
+  if (num_on_cut == static_cast<std::ptrdiff_t>(face.loop.size())) return true;
+  if (num_on_cut < 3) return false;
+  const std::vector<LoopPart> parts = partsOffCut(face.loop, is_on_cut);
+  return std::all_of(parts.begin(), parts.end(),
+                     [&](const LoopPart& part) { return areInLine(mesh, part.from, part.between, part.to); });
 }
 
 void Crossings::recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& origin, bool is_on_cut) {

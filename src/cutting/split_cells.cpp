@@ -17,6 +17,7 @@
 #include "polyscalpel/cutting/cell_split.hpp"
 #include "polyscalpel/cutting/cut_distance.hpp"
 #include "polyscalpel/cutting/dividing_planes.hpp"
+#include "polyscalpel/cutting/vertices_in_line.hpp"
 #include "polyscalpel/mesh/mesh_checks.hpp"
 #include "polyscalpel/mesh/surface.hpp"
 
@@ -27,9 +28,6 @@ constexpr std::size_t kMostAbsorbed = 4;  ///< vertices of a thin component that
 /// How far they may be from it, in snap distances: what lies further off than it may be snapped joins the cut
 /// only where a division does not help either.
 constexpr double kAbsorbDistances[] = {1, 2};
-
-/// Vertices that an edge has got are in line with its ends within this times localSize: rounding.
-constexpr double kInLine = 1e-9;
 
 /// How often a cell that cannot be split soundly is divided first.
 constexpr int kMostDivisions = 3;
@@ -125,7 +123,7 @@ class Splitter {
         if (face.isBoundary()) continue;
         if (!is_ready(face.cells[0]) || !is_ready(face.cells[1])) {
           is_done = false;
-        } else if (crossings_.isInSlit(face)) {
+        } else if (crossings_.isInSlit(mesh(), face)) {
           faces.insert(id);
         }
       }
@@ -393,7 +391,8 @@ class Splitter {
       degrees += has_a + has_b;
       if (has_a != has_b) ends.push_back(has_a ? b : a);
     });
-    return degrees == 2 * component.size() && ends.size() == 2 && areInLine(ends[0], component, ends[1]);
+    return degrees == 2 * component.size() && ends.size() == 2 &&
+           areInLine(mesh(), ends[0], component, ends[1]);
   }
 
   /// Lets a vertex join the cut that hangs in an edge between two corners of the cut, in line with them,
@@ -408,11 +407,8 @@ class Splitter {
         if (a == v || b == v) around.push_back(a == v ? b : a);
       });
       if (around.size() != 2 || !crossings_.isSnapped(cell, around[0]) ||
-          !crossings_.isSnapped(cell, around[1]))
+          !crossings_.isSnapped(cell, around[1]) || !areInLine(mesh(), around[0], {v}, around[1]))
         continue;
-      const Eigen::Vector3d from = mesh().restPosition(around[0]);
-      const Eigen::Vector3d along = (mesh().restPosition(around[1]) - from).normalized();
-      if (along.cross(mesh().restPosition(v) - from).norm() > kInLine * mesh().localSize(v)) continue;
       crossings_.snap(mesh(), v, sideBetween(around[0], {v}, around[1]), cell);
       return true;
     }
@@ -424,17 +420,10 @@ class Splitter {
   /// face. Returns whether there were any.
   bool absorbBetween(CellId cell) {
     for (const FaceId id : mesh().cell(cell).faces) {
-      const FaceLoop& loop = mesh().face(id).loop;
-      const std::size_t n = loop.size();
-      for (std::size_t start = 0; start < n; ++start) {
-        if (!crossings_.isSnapped(cell, loop[start])) continue;
-        std::size_t end = start + 1;
-        while (end < start + n && !crossings_.isSnapped(cell, loop[end % n])) ++end;
-        if (end == start + 1 || end == start + n) continue;
-        const VertexId from = loop[start], to = loop[end % n];
-        std::vector<VertexId> between;
-        for (std::size_t i = start + 1; i < end; ++i) between.push_back(loop[i % n]);
-        if (!canJoin(between) || !areInLine(from, between, to)) continue;
+      const auto parts =
+          partsOffCut(mesh().face(id).loop, [&](VertexId v) { return crossings_.isSnapped(cell, v); });
+      for (const auto& [from, between, to] : parts) {
+        if (!canJoin(between) || !areInLine(mesh(), from, between, to)) continue;
         const int side = sideBetween(from, between, to);
         for (const VertexId v : between) crossings_.snap(mesh(), v, side, cell);
         return true;
@@ -450,15 +439,6 @@ class Splitter {
               second = crossings_.sideOfNeighbour(to, between.back());
     if (first == 0 || first == second) return second;
     return second == 0 ? first : 0;
-  }
-
-  /// Whether all vertices lie on the straight line between two others.
-  bool areInLine(VertexId from, const std::vector<VertexId>& between, VertexId to) const {
-    const Eigen::Vector3d start = mesh().restPosition(from);
-    const Eigen::Vector3d along = (mesh().restPosition(to) - start).normalized();
-    return std::all_of(between.begin(), between.end(), [&](VertexId v) {
-      return along.cross(mesh().restPosition(v) - start).norm() <= kInLine * mesh().localSize(v);
-    });
   }
 
   /// Lets the first component join the cut that consists of vertices hanging in an edge between two corners

@@ -43,8 +43,9 @@ Eigen::Isometry3d interpolate(const Eigen::Isometry3d& T_start, const Eigen::Iso
 /// Edges that the blade passes, in the order of passing. Each sub-step has two halves, the blade moving
 /// through frozen tissue, then the tissue moving past the frozen blade; the signed hits of an edge over both
 /// are summed, so that a blade carried along by the tissue cuts nothing. Sub-steps are no longer than
-/// max_travel * localSize, and are halved, at most 8 times, while an edge is hit an even number of times.
-/// Nothing where that takes more than kMostSubSteps.
+/// max_travel * localSize, nor turn the blade by so much that its triangles lie 0.01 localSize off the ruled
+/// surface, and are halved, at most 8 times, while an edge is hit an even number of times. Nothing where the
+/// travel takes more than kMostSubSteps, which also bounds those of a turn.
 std::optional<std::vector<Hit>> findHits(const PolyhedralMesh& mesh, const CellTree& tree,
                                          const BladeMotion& motion, double max_travel);
 

@@ -100,8 +100,9 @@ class Crossings {
   /// were before they were snapped.
   int sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face) const;
 
-  /// Whether all corners of the face are snapped, by the same pass of the blade for each of its cells.
-  bool isInSlit(const Face& face) const;
+  /// Whether all corners of the face are snapped, by the same pass of the blade for each of its cells. What
+  /// lies in line between two of them is no corner.
+  bool isInSlit(const PolyhedralMesh& mesh, const Face& face) const;
 
   /// Follows a commit: copies of vertices are crossed and snapped as the originals are; crossings of edges
   /// that are gone are dropped. Ends one unit of time.

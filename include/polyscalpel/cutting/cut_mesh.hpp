@@ -21,7 +21,8 @@ struct CuttingConfig {
   /// vertex, goes through the vertex.
   double snap_tolerance = 0.05;
   double hold_back = 0.5;    ///< in [0, 2]: a cell splits once the blade is further from it than this times h
-  double max_travel = 0.25;  ///< in [1e-3, 1]: the blade's travel in one sub-step, times h
+  double max_travel = 0.25;  ///< in [1e-3, 1]: the blade's travel in one sub-step, times h;
+                             ///< a long blade that turns has shorter ones (blade_sweep.hpp)
   double close_front_after_s = 0.05;  ///< in [0, 1e6] [s]: a blade within the tissue that has not moved for
                                       ///< so long has the slit reach it
   /// In [0, inf): a cut's pieces of a smaller rest volume are taken away, but never the largest piece of the
