@@ -107,6 +107,7 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
   if (is_near) {
     const VertexId vertex = through_a ? a : b, other = through_a ? b : a;
     const int other_side = through_a ? hit.sign : -hit.sign;
+    if (is_near_a && is_near_b) near_[other] = other_side;
     if (is_snapped) {
       addAtSnapped(mesh, vertex, other, other_side, hit.normal);
     } else {
@@ -195,6 +196,11 @@ void Crossings::countEarlierPasses(CellId cell, bool is_counted) {
 
 bool Crossings::canJoin(VertexId vertex) const {
   return !isOnCut(vertex) || isReleased(vertex);
+}
+
+std::optional<int> Crossings::sideIfNear(VertexId vertex) const {
+  const auto place = near_.find(vertex);
+  return place == near_.end() ? std::nullopt : std::optional<int>(place->second);
 }
 
 int Crossings::sideOfNeighbour(VertexId snapped, VertexId neighbour) const {
@@ -590,6 +596,7 @@ void Crossings::putCellsAround(const PolyhedralMesh& mesh, Edge edge) {
 void Crossings::clear() {
   edges_.clear();
   snaps_.clear();
+  near_.clear();
   parts_.clear();
   passes_.clear();
   earlier_.clear();

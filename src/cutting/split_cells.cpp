@@ -164,7 +164,7 @@ class Splitter {
   /// Splits a cell in two by what counts as crossed of it.
   Outcome splitAsCrossed(CellId cell, std::vector<CellId>& parts) {
     auto components = findComponents(mesh(), crossings_, cell);
-    while (absorbInLine(cell, components)) components = findComponents(mesh(), crossings_, cell);
+    while (absorbInLine(cell, components) || absorbNear(cell, components)) components = findComponents(mesh(), crossings_, cell);
     if (splitOff(cell, components, parts)) return Outcome::kSplit;
     dropEmpty(cell, components);
     for (const double reach : kAbsorbDistances) {
@@ -410,6 +410,24 @@ class Splitter {
           !crossings_.isSnapped(cell, around[1]) || !areInLine(mesh(), around[0], {v}, around[1]))
         continue;
       crossings_.snap(mesh(), v, sideBetween(around[0], {v}, around[1]), cell);
+      return true;
+    }
+    return false;
+  }
+
+  /// Lets the first component join the cut that lies within the snap distance of the blade's surface with all
+  /// its vertices. Returns whether there was one.
+  bool absorbNear(CellId cell, const std::vector<std::vector<VertexId>>& components) {
+    if (components.size() < 2) return false;
+    for (const auto& component : components) {
+      if (!canJoin(component)) continue;
+      std::vector<std::pair<VertexId, int>> sides;
+      for (const VertexId v : component) {
+        const std::optional<int> side = crossings_.sideIfNear(v);
+        if (side) sides.emplace_back(v, *side);
+      }
+      if (sides.size() != component.size()) continue;
+      for (const auto& [v, side] : sides) crossings_.snap(mesh(), v, side, cell);
       return true;
     }
     return false;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -52,6 +53,10 @@ class Crossings {
 
   /// Whether the vertex could join the cut: it is not on it, or on a sheet that is settled all around it.
   bool canJoin(VertexId vertex) const;
+
+  /// Side of the blade's surface on which a vertex lies past which it goes within the snap distance, where an
+  /// edge of it that is crossed there has been snapped to its other end.
+  std::optional<int> sideIfNear(VertexId vertex) const;
 
   /// Side of the blade's surface on which a vertex lies that an edge joins to a snapped one; 0 where that is
   /// not known.
@@ -179,6 +184,7 @@ class Crossings {
 
   std::unordered_map<Edge, CrossedEdge, EdgeHash> edges_;
   std::unordered_map<VertexId, Snap> snaps_;
+  std::unordered_map<VertexId, int> near_;  // see sideIfNear()
   std::unordered_map<CellId, Part> parts_;
   /// In place of the time at which the blade had left a cell, where it has not.
   static constexpr int kUnderWay = -1;
