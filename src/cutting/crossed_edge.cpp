@@ -44,7 +44,9 @@ std::optional<CrossedEdge> CrossedEdge::upTo(double end) const {
 }
 
 void CrossedEdge::addSecond(const Hit& hit) {
-  if (hit.sign != -sign || isTwice() || std::max(alignment, hit.alignment) > kLargestAlignmentOfBend) return;
+  if (hit.sign != -sign || isTwice()) return;
+  if (std::max(alignment, hit.alignment) > kLargestAlignmentOfBend && !isComingBack(hit.normal, normal))
+    return;
   second_weight = std::max(weight, hit.weight);
   if (hit.weight > weight) return;
   weight = hit.weight;
@@ -59,6 +61,10 @@ bool isSamePlace(const PolyhedralMesh& mesh, const Hit& hit, const CrossedEdge& 
 bool isGrazed(const PolyhedralMesh& mesh, const Hit& hit, const CrossedEdge& crossed, double snap_tolerance) {
   return hit.sign == -crossed.sign && !crossed.isTwice() && hit.normal.dot(crossed.normal) > 0 &&
          isSamePlace(mesh, hit, crossed, snap_tolerance);
+}
+
+bool isComingBack(const Eigen::Vector3d& normal, const Eigen::Vector3d& former) {
+  return normal.dot(former) < 0;
 }
 
 bool isAtAngle(const Eigen::Vector3d& normal, const Eigen::Vector3d& other) {

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "polyscalpel/core/checks.hpp"
-#include "polyscalpel/cutting/vertices_in_line.hpp"
 #include "polyscalpel/mesh/mesh_editing.hpp"
 #include "polyscalpel/mesh/surface.hpp"
 
@@ -18,10 +17,6 @@ namespace {
 /// this times the snap distance, as a corner that has been absorbed may be; otherwise the edge is crossed, as
 /// where a stroke crosses itself.
 constexpr double kSlitThickness = 2;
-
-/// Vertices whose heights over a face's plane sum up to no more than this, in localSize, do not tell a side,
-/// but for rounding: the least that may be set as snap tolerance.
-constexpr double kSmallestHeight = 1e-6;
 
 /// A blade's way bends: how far it passes from a vertex is not told by where it crosses an edge further from
 /// the vertex than this, in snap distances. The way off its tangent plane is this squared times half the snap
@@ -47,6 +42,15 @@ std::vector<VertexId> neighboursOf(const PolyhedralMesh& mesh, VertexId vertex) 
   return neighbours;
 }
 
+/// Whether an edge lies in a wall of a cut, between two corners of it.
+bool isInWall(const PolyhedralMesh& mesh, Edge edge) {
+  const auto& faces = mesh.facesAround(edge.first);
+  return std::any_of(faces.begin(), faces.end(), [&](FaceId id) {
+    const Face& face = mesh.face(id);
+    return face.cut > 0 && hasEdge(face, edge.first, edge.second);
+  });
+}
+
 }  // namespace
 
 int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
@@ -70,12 +74,15 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
   const double along_a = hit.weight * length / (snap_tolerance * mesh.localSize(a)),
                along_b = (1 - hit.weight) * length / (snap_tolerance * mesh.localSize(b));
   const double to_a = hit.alignment * along_a, to_b = hit.alignment * along_b;
-  const double furthest_told = hit.normal.isZero(0) ? kInfinity : kFurthestTold;
+  const bool is_told = hit.normal.isZero(0) || std::max(along_a, along_b) < kFurthestTold ||
+                       (std::max(to_a, to_b) < 1 && isInWall(mesh, hit.edge));
+  const double furthest_told = is_told ? kInfinity : kFurthestTold;
   const bool is_near_a = to_a < 1 && along_a < furthest_told, is_near_b = to_b < 1 && along_b < furthest_told;
   const bool is_near = is_near_a || is_near_b;
   const bool through_a = is_near_a && (!is_near_b || hit.weight <= 0.5);
   const bool is_snapped = is_near && (through_a ? snap_a : snap_b) != snaps_.end();
 
+  bool is_other_sheet = false;
   if (const auto former = edges_.find(hit.edge); former != edges_.end()) {
     CrossedEdge& crossed = former->second;
     if (crossed.last_time < time_) meetCells(cellsAroundEdge(mesh, a, b));
@@ -88,11 +95,14 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
         if (snap != snaps_.end()) snap->second.forgetNeighbour(other);
       }
       return;
+    } else if (is_near && isComingBack(hit.normal, crossed.normal) &&
+               !isSamePlace(mesh, hit, crossed, snap_tolerance)) {
+      is_other_sheet = true;
     } else {
       if (!is_near && !isSamePlace(mesh, hit, crossed, snap_tolerance)) crossed.addSecond(hit);
       return;
     }
-    edges_.erase(former);
+    if (!is_other_sheet) edges_.erase(former);
   }
 
   if (snap_a != snaps_.end() && snap_b != snaps_.end()) {
@@ -102,7 +112,10 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
     const bool is_at_angle = is_settled && (hit.alignment > kLargestAlignmentInSlit ||
                                             isAtAngle(hit.normal, snap_a->second.normal) ||
                                             isAtAngle(hit.normal, snap_b->second.normal));
-    if ((is_near || !is_settled) && std::max(to_a, to_b) < (is_at_angle ? 1 : kSlitThickness)) return;
+    if ((is_near || !is_settled) && std::max(to_a, to_b) < (is_at_angle ? 1 : kSlitThickness)) {
+      snap_a->second.last_time = snap_b->second.last_time = time_;
+      return;
+    }
   }
   if (is_near) {
     const VertexId vertex = through_a ? a : b, other = through_a ? b : a;
@@ -135,13 +148,16 @@ void Crossings::addAtSnapped(const PolyhedralMesh& mesh, VertexId vertex, Vertex
   if (snap.last_time < time_) passCells(cellsAround(mesh, vertex));
   snap.last_time = time_;
   if (!isReleased(vertex)) {
+    // Another sheet, which goes through the corners that the parts of cells have got by the first one.
+    if (isAtAngle(normal, snap.normal)) snap.time = time_;
     if (snap.side != 0 && snap.sideOfNeighbour(other) == snap.side)
       snap.neighbours.emplace_back(other, other_side);
     return;
   }
   snap.again.emplace_back(other, other_side);
-  // An edge of the slit that leads away from the blade's surface: this sheet crosses the one that made it.
-  if (!isOnCut(other) || !isReleased(other)) {
+  // An edge of the slit that leads away from the blade's surface: this sheet crosses the one that made it, as
+  // it does where their normals tell so.
+  if ((!isOnCut(other) || !isReleased(other)) && !isAtAngle(normal, snap.normal)) {
     // The sheets lie on each other: what one parts from the vertex, the other does, whichever way it is
     // drawn.
     if (snap.side != 0 && snap.sideOfNeighbour(other) == snap.side)
@@ -167,7 +183,9 @@ const CrossedEdge* Crossings::find(CellId cell, Edge edge) const {
   // Crossed by the sheet that made the cap, which goes through the snapped corner instead?
   for (const VertexId end : {edge.first, edge.second}) {
     const auto settled = part->second.settled.find(end);
-    if (settled != part->second.settled.end() && place->second.time <= settled->second) return nullptr;
+    if (settled != part->second.settled.end() && place->second.time <= settled->second &&
+        !isComingBack(place->second.normal, snaps_.at(end).normal))
+      return nullptr;
   }
   return &place->second;
 }
@@ -231,6 +249,8 @@ void Crossings::snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, in
   for (const VertexId other : neighboursOf(mesh, vertex)) {
     const auto crossed = edges_.find(makeEdge(vertex, other));
     if (crossed == edges_.end()) continue;
+    // Where the blade comes back, both of its sheets may cross an edge, one of them through the vertex.
+    if (isComingBack(normal, crossed->second.normal)) continue;
     snap.neighbours.emplace_back(other, crossed->second.sideAt(other < vertex));
     edges_.erase(crossed);
   }
@@ -320,80 +340,6 @@ void Crossings::inheritPasses(CellId cell, CellId part) {
   if (const auto pass = passes_.find(cell); pass != passes_.end()) passes_.emplace(part, int(pass->second));
   if (const auto earlier = earlier_.find(cell); earlier != earlier_.end())
     earlier_.emplace(part, Earlier(earlier->second));
-}
-
-int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) const {
-  const auto& loop = mesh.face(face_id).loop;
-  const auto isInFace = [&](VertexId v) { return std::find(loop.begin(), loop.end(), v) != loop.end(); };
-  const auto part = parts_.find(cell);
-  if (part != parts_.end() && part->second.side != 0 &&
-      std::all_of(loop.begin(), loop.end(), [&](VertexId v) { return part->second.settled.count(v) > 0; })) {
-    return part->second.side;
-  }
-  // What the corners say of each vertex is summed in whole numbers, so that what cancels out leaves nothing.
-  struct Votes {
-    int at_face = 0, anywhere = 0;  // seen from the face's own corners, and from all snapped ones
-  };
-  boost::container::flat_map<VertexId, Votes> votes;
-  int own = 0, first_own = 0;
-  for (const auto& [a, b] : mesh.edges(cell)) {
-    for (const auto& [corner, other] : {std::make_pair(a, b), std::make_pair(b, a)}) {
-      const auto snap = snaps_.find(corner);
-      if (snap == snaps_.end()) continue;
-      if (isOfEarlierPass(cell, snap->second.last_time)) continue;
-      own += snap->second.side;
-      if (first_own == 0) first_own = snap->second.side;
-      const auto other_snap = snaps_.find(other);
-      if (isInFace(other) ||
-          (other_snap != snaps_.end() && !isOfEarlierPass(cell, other_snap->second.last_time)))
-        continue;
-      // Where the surface comes back between the two, the vertex lies beyond that.
-      const auto crossed = edges_.find(makeEdge(corner, other));
-      const int side = crossed == edges_.end() ? snap->second.sideOfNeighbour(other)
-                                               : crossed->second.sideAt(other < corner);
-      votes[other].anywhere += side;
-      if (isInFace(corner)) votes[other].at_face += side;
-    }
-  }
-  // A vertex high above the face tells most: what lies near the blade's surface may be on either side of it
-  // by rounding or by the bend of the surface.
-  const auto [origin, area] = planeOf(mesh.face(face_id), mesh.restPositions());
-  const Eigen::Vector3d normal = area.normalized();
-  double at_face = 0, anywhere = 0;
-  Votes all;
-  for (const auto& [vertex, sum] : votes) {
-    const double height = std::abs(normal.dot(mesh.restPosition(vertex) - origin));
-    at_face += sum.at_face * height;
-    anywhere += sum.anywhere * height;
-    all.at_face += sum.at_face;
-    all.anywhere += sum.anywhere;
-  }
-  // No edge may leave the face's own corners but along it. A face that is not much longer than the slit is
-  // thick may stand across it, in one plane with all that tells. And all of the cell may lie in the slit.
-  const double least = kSmallestHeight * mesh.localSize(cell);
-  if (std::abs(at_face) > least) return at_face > 0 ? 1 : -1;
-  if (std::abs(anywhere) > least) return anywhere > 0 ? 1 : -1;
-  if (all.at_face != 0) return all.at_face > 0 ? 1 : -1;
-  if (all.anywhere != 0) return all.anywhere > 0 ? 1 : -1;
-  // Where as many come from either side, any will do, if it is the same from all faces: the cell is to hang
-  // together with one side and be parted from the other.
-  if (own == 0) return first_own;
-  return own > 0 ? 1 : -1;
-}
-
-bool Crossings::isInSlit(const PolyhedralMesh& mesh, const Face& face) const {
-  const auto is_on_cut = [&](VertexId v) {
-    const auto snap = snaps_.find(v);
-    return snap != snaps_.end() && std::none_of(face.cells.begin(), face.cells.end(), [&](CellId cell) {
-             return isOfEarlierPass(cell, snap->second.last_time);
-           });
-  };
-  const auto num_on_cut = std::count_if(face.loop.begin(), face.loop.end(), is_on_cut);
-  if (num_on_cut == static_cast<std::ptrdiff_t>(face.loop.size())) return true;
-  if (num_on_cut < 3) return false;
-  const std::vector<LoopPart> parts = partsOffCut(face.loop, is_on_cut);
-  return std::all_of(parts.begin(), parts.end(),
-                     [&](const LoopPart& part) { return areInLine(mesh, part.from, part.between, part.to); });
 }
 
 void Crossings::recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& origin, bool is_on_cut) {

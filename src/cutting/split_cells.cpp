@@ -5,8 +5,6 @@
 #include <optional>
 #include <set>
 
-#include <boost/container/flat_map.hpp>
-#include <boost/container/flat_set.hpp>
 #include <boost/container/small_vector.hpp>
 
 #include <Eigen/Eigenvalues>
@@ -14,6 +12,7 @@
 
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/cutting/border_sides.hpp"
+#include "polyscalpel/cutting/cell_components.hpp"
 #include "polyscalpel/cutting/cell_split.hpp"
 #include "polyscalpel/cutting/cut_distance.hpp"
 #include "polyscalpel/cutting/dividing_planes.hpp"
@@ -33,50 +32,6 @@ constexpr double kAbsorbDistances[] = {1, 2};
 constexpr int kMostDivisions = 3;
 /// Snap tolerance of the dividing plane, as part of that of the cut: such cells are small already.
 constexpr double kDivisionSnap = 0.1;
-
-/// The vertices of a cell that hang together through uncrossed edges; snapped vertices belong to none. Empty
-/// where there is but one such component, which is most often so.
-std::vector<std::vector<VertexId>> findComponents(const PolyhedralMesh& mesh, const Crossings& crossings,
-                                                  CellId cell) {
-  constexpr int kNone = -1;
-  const auto& vertices = mesh.cell(cell).vertices;
-  // Disjoint sets of local vertices, each named by its smallest member.
-  boost::container::small_vector<int, 32> roots(vertices.size());
-  const auto find = [&](int i) {
-    while (roots[i] != i) i = roots[i] = roots[roots[i]];
-    return i;
-  };
-  int num_components = 0;
-  for (int i = 0; i < static_cast<int>(vertices.size()); ++i) {
-    const bool is_on_cut = crossings.isSnapped(cell, vertices[i]);
-    roots[i] = is_on_cut ? kNone : i;
-    num_components += !is_on_cut;
-  }
-  mesh.forEachEdge(cell, [&](VertexId from, VertexId to) {
-    int a = countSmaller(vertices, from), b = countSmaller(vertices, to);
-    if (roots[a] == kNone || roots[b] == kNone || crossings.find(cell, {from, to})) return;
-    a = find(a);
-    b = find(b);
-    if (a == b) return;
-    roots[std::max(a, b)] = std::min(a, b);
-    --num_components;
-  });
-  std::vector<std::vector<VertexId>> components;
-  if (num_components < 2) return components;
-  boost::container::small_vector<int, 32> component_of(vertices.size(), kNone);  // by root
-  for (int i = 0; i < static_cast<int>(vertices.size()); ++i) {
-    if (roots[i] == kNone) continue;
-    int& component = component_of[find(i)];
-    if (component == kNone) {
-      component = static_cast<int>(components.size());
-      components.emplace_back();
-    }
-    components[component].push_back(vertices[i]);
-  }
-  std::stable_sort(components.begin(), components.end(),
-                   [](const auto& a, const auto& b) { return a.size() < b.size(); });
-  return components;
-}
 
 /// Area of a face [m^2] in the rest shape.
 double area(const PolyhedralMesh& mesh, FaceId id) {
@@ -164,7 +119,9 @@ class Splitter {
   /// Splits a cell in two by what counts as crossed of it.
   Outcome splitAsCrossed(CellId cell, std::vector<CellId>& parts) {
     auto components = findComponents(mesh(), crossings_, cell);
-    while (absorbInLine(cell, components) || absorbNear(cell, components)) components = findComponents(mesh(), crossings_, cell);
+    while (absorbInLine(cell, components) || absorbNear(cell, components))
+      components = findComponents(mesh(), crossings_, cell);
+    if (lieOnOneSide(mesh(), crossings_, cell, components)) return Outcome::kConnected;
     if (splitOff(cell, components, parts)) return Outcome::kSplit;
     dropEmpty(cell, components);
     for (const double reach : kAbsorbDistances) {
@@ -373,26 +330,14 @@ class Splitter {
     return std::all_of(component.begin(), component.end(), [&](VertexId v) { return crossings_.canJoin(v); });
   }
 
-  /// Forgets the components that no cut can part from the cell: vertices that hang in one straight edge,
-  /// which the surface crosses on both sides of them. A cap would fold up in that edge and enclose nothing.
+  /// Forgets the components that no cut can part from the cell: a cap would fold up in the edge in which they
+  /// hang, and enclose nothing.
   void dropEmpty(CellId cell, std::vector<std::vector<VertexId>>& components) const {
     if (components.size() < 2) return;
-    components.erase(std::remove_if(components.begin(), components.end(),
-                                    [&](const auto& component) { return hangsInOneEdge(cell, component); }),
-                     components.end());
-  }
-
-  bool hangsInOneEdge(CellId cell, const std::vector<VertexId>& component) const {
-    boost::container::small_vector<VertexId, 8> ends;  // beyond the component
-    std::size_t degrees = 0;
-    mesh().forEachEdge(cell, [&](VertexId a, VertexId b) {
-      const bool has_a = std::binary_search(component.begin(), component.end(), a),
-                 has_b = std::binary_search(component.begin(), component.end(), b);
-      degrees += has_a + has_b;
-      if (has_a != has_b) ends.push_back(has_a ? b : a);
-    });
-    return degrees == 2 * component.size() && ends.size() == 2 &&
-           areInLine(mesh(), ends[0], component, ends[1]);
+    components.erase(
+        std::remove_if(components.begin(), components.end(),
+                       [&](const auto& component) { return hangInOneEdge(mesh(), cell, component); }),
+        components.end());
   }
 
   /// Lets a vertex join the cut that hangs in an edge between two corners of the cut, in line with them,

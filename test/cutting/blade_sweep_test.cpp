@@ -222,6 +222,33 @@ TEST(BladeSweep, ABladeThatStopsOnAnEdgeLosesNoHit) {
   EXPECT_GT(num_hits, 1000);
 }
 
+TEST(BladeSweep, ALongBladeThatTurnsPassesEdgesOnItsRuledSurface) {
+  // A blade of 18 cells' length about the middle of a cube, which it goes through while it turns by 80
+  // degrees.
+  constexpr int kCells = 6;
+  constexpr double kSize = 1.0 / kCells, kTurn = 80 * EIGEN_PI / 180;
+  const PolyhedralMesh mesh = makeTetBox(Vector3d::Zero(), Vector3d::Ones(), Vector3i::Constant(kCells));
+  const Matrix3Xd positions = mesh.restPositions();
+  Matrix3Xd blade(3, 2);
+  blade << 0, 0, 0, 0, -9 * kSize, 9 * kSize;
+  const auto poseAt = [](double s) {
+    Isometry3d T = Isometry3d::Identity();
+    T.linear() = Eigen::AngleAxisd(kTurn * s, Vector3d::UnitX()).toRotationMatrix();
+    T.translation() = Vector3d(1.2 * s - 0.1, 0.5, 0.5);
+    return T;
+  };
+  const Isometry3d start = poseAt(0), end = poseAt(1);
+  const auto hits = findHits(mesh, {}, BladeMotion{blade, start, end, positions, positions}, 0.25);
+  ASSERT_TRUE(hits);
+  EXPECT_GT(hits->size(), 100u);
+  for (const Hit& hit : *hits) {
+    const Vector3d point = (1 - hit.weight) * mesh.restPosition(hit.edge.first) +
+                           hit.weight * mesh.restPosition(hit.edge.second);
+    const double across = (poseAt((point.x() + 0.1) / 1.2).inverse() * point).y();
+    EXPECT_LT(std::abs(across), 0.01 * kSize) << "at " << point.transpose();
+  }
+}
+
 TEST(BladeSweep, ASweepWithATreeCutsAsWithout) {
   SweepCut sweep;
   sweep.edge_tool.resize(3, 2);

@@ -57,6 +57,52 @@ TEST(SplitCells, AVertexBetweenTwoCornersOfTheCutInOneEdgeJoinsIt) {
   }
 }
 
+TEST(SplitCells, AFaceWithAVertexInItsStraightSideOpensAlongIt) {
+  // A plane goes along the face between two cubes, so near that all its corners are snapped. The vertex in
+  // one of its sides has no edge but along the face and away from the plane: nothing of it is crossed.
+  PolyhedralMesh mesh = makeHexBox(Vector3d::Zero(), Vector3d(1, 1, 2), {1, 1, 2});
+  MeshEditor editor(mesh);
+  const VertexId between = editor.splitEdge(vertexAt(mesh, {0, 0, 1}), vertexAt(mesh, {0, 1, 1}), 0.5);
+  const VertexId above = editor.splitEdge(vertexAt(mesh, {0, 0, 2}), vertexAt(mesh, {0, 1, 2}), 0.5);
+  for (const FaceId id : std::vector<FaceId>(mesh.facesAround(between))) {
+    const auto& around = mesh.facesAround(above);
+    if (std::find(around.begin(), around.end(), id) != around.end()) editor.splitFace(id, between, above);
+  }
+  editor.commit();
+  ASSERT_TRUE(checkMesh(mesh).empty()) << checkMesh(mesh).front();
+
+  const Matrix3Xd positions = mesh.restPositions();
+  const PlaneCut plane{Vector3d(0, 0, 1 - 1e-12), Vector3d::UnitZ()};
+  const CutResult result = cutMesh(mesh, positions, plane, CuttingConfig(), 1);
+  EXPECT_EQ(result.cells_split, 0);
+  EXPECT_EQ(result.pieces_after, 2);
+  EXPECT_TRUE(checkMesh(mesh).empty()) << checkMesh(mesh).front();
+}
+
+TEST(SplitCells, APlaneBetweenTwoWallsLessThanTwoSnapDistancesApartTearsNothingOff) {
+  // Every edge across the layer has both its ends within the snap distance of the plane, which is tilted:
+  // here it goes through the one, there through the other.
+  const double tau = CuttingConfig().snap_tolerance;
+  for (const double tilt : {0.0, 0.1, 0.2, 0.3}) {
+    PolyhedralMesh mesh = makeTetBox(Vector3d::Zero(), Vector3d(4, 4, 4), {4, 4, 4});
+    int cut = 0;
+    for (const double height : {1.5 - 0.8 * tau, 1.5 + 0.8 * tau}) {
+      const Matrix3Xd positions = mesh.restPositions();
+      const PlaneCut wall{Vector3d(2, 2, height), Vector3d::UnitZ()};
+      cutMesh(mesh, positions, wall, CuttingConfig(), ++cut);
+    }
+    ASSERT_EQ(findPieces(mesh).count, 3) << tilt;
+    const PlaneCut plane{Vector3d(2, 2, 1.5), Vector3d(tilt * tau, 0.3 * tilt * tau, 1)};
+    for (int again = 0; again < 3; ++again) {
+      const Matrix3Xd positions = mesh.restPositions();
+      const CutResult result = cutMesh(mesh, positions, plane, CuttingConfig(), ++cut);
+      EXPECT_EQ(result.pieces_after, 3) << tilt << ", time " << again;
+      EXPECT_EQ(result.cells_left_whole, 0) << tilt;
+    }
+    EXPECT_TRUE(checkMesh(mesh).empty()) << checkMesh(mesh).front();
+  }
+}
+
 TEST(SplitCells, AnEdgeThatIsShutBetweenTwoWallsIsDividedForEachOfThem) {
   // A slit within the middle layer of a block has one edge inside, with two cells on either side and its ends
   // on the slit's front.

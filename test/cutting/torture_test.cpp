@@ -3,6 +3,8 @@
 // Random cuts of every kind, accumulating on one body, and what holds after each.
 #include <cstdlib>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -65,6 +67,32 @@ TEST(Torture, PolygonsWithinOneBodyLeaveItValid) {
       EXPECT_LE(row.left_whole, 2e-3 * row.splits) << row.mesh << ": of " << row.splits << " splits";
     }
     expectNone(failures, "violations");
+  }
+}
+
+TEST(Torture, WhatIsCutAgainIsNotTornWhereItWas) {
+  // The last cut of each: planes among walls of earlier ones, where a component within the snap distance was
+  // split off; a blade that turns at coarse steps, whose surface was not the one of finer steps.
+  const std::pair<unsigned, int> kTorn[] = {{11, 18}, {33, 6}, {35, 11}, {83, 11}};
+  for (const auto& [seed, num_cuts] : kTorn) {
+    std::vector<TortureFailure> failures;
+    torture(TortureSize::kUsual, "block", seed, num_cuts, failures);
+    expectNone(failures, "torn");
+  }
+}
+
+TEST(Torture, WedgesDrawnAgainAreNotCutAcross) {
+  // In, out by another way, and once more: corners of both walls hold apart what lies between them.
+  for (const unsigned seed : {4u, 27u, 31u, 35u}) {
+    TorturePlan plan;
+    plan.first_seed = seed;
+    plan.cuts_per_body = 2;
+    plan.kinds = {"stroke in and out by another way", "the last cut again, at other steps"};
+    plan.may_deform = false;
+    std::vector<TortureFailure> failures;
+    const TortureSubject block = tortureSubjects(TortureSize::kUsual).front();
+    torture(block, plan, failures);
+    expectNone(failures, "");
   }
 }
 

@@ -73,6 +73,10 @@ bool isSamePlace(const PolyhedralMesh& mesh, const Hit& hit, const CrossedEdge& 
 /// edge within the snap distance. Where the blade is drawn back instead, its normal turns round.
 bool isGrazed(const PolyhedralMesh& mesh, const Hit& hit, const CrossedEdge& crossed, double snap_tolerance);
 
+/// Whether a blade whose way has this normal comes back from where its way had the other one; not where one
+/// is not known, that is, zero.
+bool isComingBack(const Eigen::Vector3d& normal, const Eigen::Vector3d& former);
+
 /// Whether two surfaces with these normals cross; not where one is not known, that is, zero.
 bool isAtAngle(const Eigen::Vector3d& normal, const Eigen::Vector3d& other);
 
