@@ -120,7 +120,13 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
   if (is_near) {
     const VertexId vertex = through_a ? a : b, other = through_a ? b : a;
     const int other_side = through_a ? hit.sign : -hit.sign;
-    if (is_near_a && is_near_b) near_[other] = other_side;
+    if (is_near_a && is_near_b) {
+      near_[other] = other_side;
+    } else {
+      const double to_other = through_a ? to_b : to_a, along_other = through_a ? along_b : along_a;
+      const double off_tangent = hit.normal.isZero(0) ? 0 : std::pow(along_other / kFurthestTold, 2);
+      recordDistance(other, snap_tolerance * (to_other - off_tangent));
+    }
     if (is_snapped) {
       addAtSnapped(mesh, vertex, other, other_side, hit.normal);
     } else {
@@ -219,6 +225,17 @@ bool Crossings::canJoin(VertexId vertex) const {
 std::optional<int> Crossings::sideIfNear(VertexId vertex) const {
   const auto place = near_.find(vertex);
   return place == near_.end() ? std::nullopt : std::optional<int>(place->second);
+}
+
+void Crossings::recordDistance(VertexId vertex, double distance) {
+  if (distance <= 0) return;
+  const auto [place, is_new] = distances_.emplace(vertex, distance);
+  if (!is_new) place->second = std::min(place->second, distance);
+}
+
+double Crossings::leastDistance(VertexId vertex) const {
+  const auto place = distances_.find(vertex);
+  return place == distances_.end() ? 0 : place->second;
 }
 
 int Crossings::sideOfNeighbour(VertexId snapped, VertexId neighbour) const {
@@ -543,6 +560,7 @@ void Crossings::clear() {
   edges_.clear();
   snaps_.clear();
   near_.clear();
+  distances_.clear();
   parts_.clear();
   passes_.clear();
   earlier_.clear();

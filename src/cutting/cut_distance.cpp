@@ -8,7 +8,8 @@ namespace polyscalpel {
 
 bool isKnownFar(const PolyhedralMesh& mesh, const Crossings& crossings, CellId cell,
                 const std::vector<VertexId>& vertices, double distance) {
-  bool is_far = false;
+  bool is_far = std::any_of(vertices.begin(), vertices.end(),
+                            [&](VertexId v) { return crossings.leastDistance(v) >= distance; });
   mesh.forEachEdge(cell, [&](VertexId a, VertexId b) {
     const CrossedEdge* crossed = crossings.find(cell, {a, b});
     if (!crossed) return;

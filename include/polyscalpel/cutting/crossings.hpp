@@ -58,6 +58,10 @@ class Crossings {
   /// edge of it that is crossed there has been snapped to its other end.
   std::optional<int> sideIfNear(VertexId vertex) const;
 
+  /// No less than this, in localSize, is a vertex away from the blade's surface, as edges of it tell that are
+  /// snapped to their other ends; 0 where none does.
+  double leastDistance(VertexId vertex) const;
+
   /// Side of the blade's surface on which a vertex lies that an edge joins to a snapped one; 0 where that is
   /// not known.
   int sideOfNeighbour(VertexId snapped, VertexId neighbour) const;
@@ -155,6 +159,8 @@ class Crossings {
   bool isOfEarlierPass(CellId cell, int last_time) const;
   /// Whether the blade has left all cells around a vertex of the slit and what was to open there is open.
   bool isReleased(VertexId vertex) const { return open_vertices_.count(vertex) == 0; }
+  void recordDistance(VertexId vertex, double distance);
+
   /// Whether a crossing counts for no cell around its edge.
   bool isSettled(const PolyhedralMesh& mesh, Edge edge, const CrossedEdge& crossed) const;
 
@@ -184,7 +190,8 @@ class Crossings {
 
   std::unordered_map<Edge, CrossedEdge, EdgeHash> edges_;
   std::unordered_map<VertexId, Snap> snaps_;
-  std::unordered_map<VertexId, int> near_;  // see sideIfNear()
+  std::unordered_map<VertexId, int> near_;          // see sideIfNear()
+  std::unordered_map<VertexId, double> distances_;  // see leastDistance()
   std::unordered_map<CellId, Part> parts_;
   /// In place of the time at which the blade had left a cell, where it has not.
   static constexpr int kUnderWay = -1;

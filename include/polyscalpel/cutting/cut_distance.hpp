@@ -11,9 +11,9 @@
 
 namespace polyscalpel {
 
-/// Whether an edge across the cut shows that one of the vertices (ascending) is no nearer to it than
-/// distance * localSize, at right angles to the blade's surface. What the corners of the cut tell, which may
-/// have been snapped themselves, may be less.
+/// Whether an edge across the cut, or snapped to it at its other end, shows that one of the vertices
+/// (ascending) is no nearer to it than distance * localSize, at right angles to the blade's surface. What the
+/// corners of the cut themselves tell, which may have been snapped, may be less.
 bool isKnownFar(const PolyhedralMesh& mesh, const Crossings& crossings, CellId cell,
                 const std::vector<VertexId>& vertices, double distance);
 
