@@ -113,7 +113,10 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
                                             isAtAngle(hit.normal, snap_a->second.normal) ||
                                             isAtAngle(hit.normal, snap_b->second.normal));
     if ((is_near || !is_settled) && std::max(to_a, to_b) < (is_at_angle ? 1 : kSlitThickness)) {
-      snap_a->second.last_time = snap_b->second.last_time = time_;
+      // Drawn back through a slit that is not settled yet, the blade passes its corners once more.
+      if (!is_settled && isComingBack(hit.normal, snap_a->second.normal) &&
+          isComingBack(hit.normal, snap_b->second.normal))
+        snap_a->second.last_time = snap_b->second.last_time = time_;
       return;
     }
   }

@@ -79,30 +79,6 @@ TEST(SplitCells, AFaceWithAVertexInItsStraightSideOpensAlongIt) {
   EXPECT_TRUE(checkMesh(mesh).empty()) << checkMesh(mesh).front();
 }
 
-TEST(SplitCells, APlaneBetweenTwoWallsLessThanTwoSnapDistancesApartTearsNothingOff) {
-  // Every edge across the layer has both its ends within the snap distance of the plane, which is tilted:
-  // here it goes through the one, there through the other.
-  const double tau = CuttingConfig().snap_tolerance;
-  for (const double tilt : {0.0, 0.1, 0.2, 0.3}) {
-    PolyhedralMesh mesh = makeTetBox(Vector3d::Zero(), Vector3d(4, 4, 4), {4, 4, 4});
-    int cut = 0;
-    for (const double height : {1.5 - 0.8 * tau, 1.5 + 0.8 * tau}) {
-      const Matrix3Xd positions = mesh.restPositions();
-      const PlaneCut wall{Vector3d(2, 2, height), Vector3d::UnitZ()};
-      cutMesh(mesh, positions, wall, CuttingConfig(), ++cut);
-    }
-    ASSERT_EQ(findPieces(mesh).count, 3) << tilt;
-    const PlaneCut plane{Vector3d(2, 2, 1.5), Vector3d(tilt * tau, 0.3 * tilt * tau, 1)};
-    for (int again = 0; again < 3; ++again) {
-      const Matrix3Xd positions = mesh.restPositions();
-      const CutResult result = cutMesh(mesh, positions, plane, CuttingConfig(), ++cut);
-      EXPECT_EQ(result.pieces_after, 3) << tilt << ", time " << again;
-      EXPECT_EQ(result.cells_left_whole, 0) << tilt;
-    }
-    EXPECT_TRUE(checkMesh(mesh).empty()) << checkMesh(mesh).front();
-  }
-}
-
 TEST(SplitCells, AnEdgeThatIsShutBetweenTwoWallsIsDividedForEachOfThem) {
   // A slit within the middle layer of a block has one edge inside, with two cells on either side and its ends
   // on the slit's front.
