@@ -60,6 +60,11 @@ int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
   return side;
 }
 
+bool Crossings::Snap::isTold(VertexId neighbour) const {
+  return std::any_of(neighbours.begin(), neighbours.end(),
+                     [&](const auto& known) { return known.first == neighbour; });
+}
+
 void Crossings::Snap::forgetNeighbour(VertexId neighbour) {
   neighbours.erase(std::remove_if(neighbours.begin(), neighbours.end(),
                                   [&](const auto& known) { return known.first == neighbour; }),

@@ -31,7 +31,7 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
   struct Votes {
     int at_face = 0, anywhere = 0;  // seen from the face's own corners, and from all snapped ones
   };
-  boost::container::flat_map<VertexId, Votes> votes;
+  boost::container::flat_map<VertexId, Votes> told, votes;
   int own = 0, first_own = 0;
   for (const auto& [a, b] : mesh.edges(cell)) {
     for (const auto& [corner, other] : {std::make_pair(a, b), std::make_pair(b, a)}) {
@@ -48,30 +48,42 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
       const auto crossed = edges_.find(makeEdge(corner, other));
       const int side = crossed == edges_.end() ? snap->second.sideOfNeighbour(other)
                                                : crossed->second.sideAt(other < corner);
-      votes[other].anywhere += side;
-      if (isInFace(corner)) votes[other].at_face += side;
+      const auto add = [&](Votes& sum) {
+        sum.anywhere += side;
+        if (isInFace(corner)) sum.at_face += side;
+      };
+      add(votes[other]);
+      if (crossed != edges_.end() || snap->second.isTold(other)) add(told[other]);
     }
   }
   // A vertex high above the face tells most: what lies near the blade's surface may be on either side of it
   // by rounding or by the bend of the surface.
   const auto [origin, area] = planeOf(mesh.face(face_id), mesh.restPositions());
   const Eigen::Vector3d normal = area.normalized();
-  double at_face = 0, anywhere = 0;
-  Votes all;
-  for (const auto& [vertex, sum] : votes) {
-    const double height = std::abs(normal.dot(mesh.restPosition(vertex) - origin));
-    at_face += sum.at_face * height;
-    anywhere += sum.anywhere * height;
-    all.at_face += sum.at_face;
-    all.anywhere += sum.anywhere;
-  }
-  // No edge may leave the face's own corners but along it. A face that is not much longer than the slit is
-  // thick may stand across it, in one plane with all that tells. And all of the cell may lie in the slit.
   const double least = kSmallestHeight * mesh.localSize(cell);
-  if (std::abs(at_face) > least) return at_face > 0 ? 1 : -1;
-  if (std::abs(anywhere) > least) return anywhere > 0 ? 1 : -1;
-  if (all.at_face != 0) return all.at_face > 0 ? 1 : -1;
-  if (all.anywhere != 0) return all.anywhere > 0 ? 1 : -1;
+  const auto sideBy = [&](const auto& of_vertices) {
+    double at_face = 0, anywhere = 0;
+    Votes all;
+    for (const auto& [vertex, sum] : of_vertices) {
+      const double height = std::abs(normal.dot(mesh.restPosition(vertex) - origin));
+      at_face += sum.at_face * height;
+      anywhere += sum.anywhere * height;
+      all.at_face += sum.at_face;
+      all.anywhere += sum.anywhere;
+    }
+    // No edge may leave the face's own corners but along it. A face that is not much longer than the slit is
+    // thick may stand across it, in one plane with all that tells. And all of the cell may lie in the slit.
+    const auto signOf = [](auto value) { return value > 0 ? 1 : -1; };
+    if (std::abs(at_face) > least) return signOf(at_face);
+    if (std::abs(anywhere) > least) return signOf(anywhere);
+    if (all.at_face != 0) return signOf(all.at_face);
+    if (all.anywhere != 0) return signOf(all.anywhere);
+    return 0;
+  };
+  // What an edge to a corner tells that was crossed comes before what one tells that was not: the corner may
+  // have joined the cut later.
+  if (const int side = sideBy(told); side != 0) return side;
+  if (const int side = sideBy(votes); side != 0) return side;
   // Where as many come from either side, any will do, if it is the same from all faces: the cell is to hang
   // together with one side and be parted from the other.
   if (own == 0) return first_own;

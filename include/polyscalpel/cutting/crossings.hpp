@@ -173,6 +173,7 @@ class Crossings {
     std::vector<std::pair<VertexId, int>> again;  ///< the same as the blade comes back, released before
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< of the blade's way here; zero where not known
     int sideOfNeighbour(VertexId neighbour) const;
+    bool isTold(VertexId neighbour) const;
     void forgetNeighbour(VertexId neighbour);
   };
   /// In place of the time at which a corner became one, where the part still counts it.
