@@ -260,6 +260,7 @@ void Crossings::snap(const PolyhedralMesh& mesh, VertexId vertex, int side, Cell
     }
   }
   snapAt(mesh, vertex, side, time);
+  snaps_[vertex].has_joined = true;
 }
 
 void Crossings::snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, int time,
@@ -267,6 +268,7 @@ void Crossings::snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, in
   Snap& snap = snaps_[vertex];
   snap.side = side;
   snap.normal = normal;
+  snap.has_joined = false;
   snap.time = time_;
   snap.last_time = time;
   open_vertices_.insert(vertex);
@@ -317,7 +319,7 @@ void Crossings::recordSplitEdge(const PolyhedralMesh& mesh, Edge edge, VertexId 
     edges_[part] = *rest.upTo(std::max(rest.weight, by_first ? 1 - at : at));
     putCellsAround(mesh, part);
   }
-  snaps_[middle] = {0, crossed.time, crossed.last_time, {{a, -sign}, {b, sign}}, {}, crossed.normal};
+  snaps_[middle] = {0, crossed.time, crossed.last_time, false, {{a, -sign}, {b, sign}}, {}, crossed.normal};
   open_vertices_.insert(middle);
   for (const CellId cell : cellsAround(mesh, middle)) cells_.insert(cell);
 }

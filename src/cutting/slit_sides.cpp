@@ -53,7 +53,7 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
         if (isInFace(corner)) sum.at_face += side;
       };
       add(votes[other]);
-      if (crossed != edges_.end() || snap->second.isTold(other)) add(told[other]);
+      if (crossed != edges_.end() || !snap->second.has_joined || snap->second.isTold(other)) add(told[other]);
     }
   }
   // A vertex high above the face tells most: what lies near the blade's surface may be on either side of it
@@ -80,8 +80,8 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
     if (all.anywhere != 0) return signOf(all.anywhere);
     return 0;
   };
-  // What an edge to a corner tells that was crossed comes before what one tells that was not: the corner may
-  // have joined the cut later.
+  // A corner that has joined the cut comes last with what it has to say of edges that were not crossed: new
+  // vertices of a division may lie beyond them.
   if (const int side = sideBy(told); side != 0) return side;
   if (const int side = sideBy(votes); side != 0) return side;
   // Where as many come from either side, any will do, if it is the same from all faces: the cell is to hang

@@ -47,8 +47,8 @@ double area(const PolyhedralMesh& mesh, FaceId id) {
 /// Splits cells and collects what has to be opened.
 class Splitter {
  public:
-  Splitter(MeshEditor& editor, Crossings& crossings, double snap_tolerance, int cut)
-      : editor_(editor), crossings_(crossings), snap_tolerance_(snap_tolerance), cut_(cut) {}
+  Splitter(MeshEditor& editor, Crossings& crossings, double snap_tolerance, int cut, Slit slit)
+      : editor_(editor), crossings_(crossings), snap_tolerance_(snap_tolerance), cut_(cut), slit_(slit) {}
 
   /// Splits a cell and its parts until nothing in them is disconnected.
   void splitRepeatedly(CellId start) {
@@ -269,7 +269,7 @@ class Splitter {
     const double tolerance = kDivisionSnap * snap_tolerance_;
     for (const Hit& hit : hitsAcross(mesh(), cell, split.capLoop(), dividing))
       plane.add(mesh(), hit, tolerance);
-    Splitter across(editor_, plane, tolerance, 0);
+    Splitter across(editor_, plane, tolerance, 0, Slit::kClosed);
     across.most_divisions_ = 0;
     // An edge within the dividing face that goes from one side of the border to the other is crossed by
     // nothing, and would join them for good.
@@ -361,11 +361,12 @@ class Splitter {
   }
 
   /// Lets the first component join the cut that lies within the snap distance of the blade's surface with all
-  /// its vertices. Returns whether there was one.
+  /// its vertices. Returns whether there was one. A plane that only divides cells keeps to its place: where
+  /// it goes is as far as the slit's front comes.
   bool absorbNear(CellId cell, const std::vector<std::vector<VertexId>>& components) {
-    if (components.size() < 2) return false;
+    if (components.size() < 2 || slit_ == Slit::kClosed) return false;
     for (const auto& component : components) {
-      if (!canJoin(component)) continue;
+      if (!canJoin(component) || isKnownFar(mesh(), crossings_, cell, component, snap_tolerance_)) continue;
       std::vector<std::pair<VertexId, int>> sides;
       for (const VertexId v : component) {
         const std::optional<int> side = crossings_.sideIfNear(v);
@@ -493,6 +494,7 @@ class Splitter {
   Crossings& crossings_;
   double snap_tolerance_;
   int cut_;
+  Slit slit_;
   std::set<FaceId> caps_;                 // closed as yet
   FaceParts face_parts_;                  // of all faces divided so far
   std::vector<VertexId> shared_middles_;  // see CellSplit
@@ -506,7 +508,7 @@ class Splitter {
 
 SplitCounts splitCells(MeshEditor& editor, Crossings& crossings, const std::function<bool(CellId)>& is_ready,
                        double snap_tolerance, int cut, Slit slit) {
-  Splitter splitter(editor, crossings, snap_tolerance, cut);
+  Splitter splitter(editor, crossings, snap_tolerance, cut, slit);
   // A split puts vertices on its neighbours' edges, and a corner that joins the cut concerns all cells around
   // it.
   for (auto cells = crossings.takeCells(editor.mesh(), is_ready); !cells.empty();

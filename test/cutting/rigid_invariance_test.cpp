@@ -63,8 +63,9 @@ std::vector<PolyhedralMesh> bodies() {
   return all;
 }
 
-/// Turns bodies and cuts of these kinds together and expects the same mesh loop by loop.
-void expectSameMeshTurned(const std::vector<std::string>& kinds) {
+/// Turns bodies and cuts of these kinds together and expects the same mesh loop by loop, its vertices within
+/// a distance [m].
+void expectSameMeshTurned(const std::vector<std::string>& kinds, double largest_difference) {
   for (const PolyhedralMesh& body : bodies()) {
     for (unsigned seed = 1; seed <= 12; ++seed) {
       TortureRandom random(seed);
@@ -85,17 +86,20 @@ void expectSameMeshTurned(const std::vector<std::string>& kinds) {
         }
       }
       const Matrix3Xd placed = (placement.linear * here.restPositions()).colwise() + placement.shift;
-      EXPECT_LT((placed - there.restPositions()).cwiseAbs().maxCoeff(), 1e-12) << "seed " << seed;
+      EXPECT_LT((placed - there.restPositions()).cwiseAbs().maxCoeff(), largest_difference)
+          << "seed " << seed;
     }
   }
 }
 
 TEST(RigidInvariance, MeshAndFlatBladeTurnedTogetherGiveTheSameMeshLoopByLoop) {
-  expectSameMeshTurned(kAtOnce);
+  expectSameMeshTurned(kAtOnce, 1e-12);
 }
 
 TEST(RigidInvariance, MeshAndStrokeTurnedTogetherGiveTheSameMeshLoopByLoop) {
-  expectSameMeshTurned(kStrokes);
+  // A long blade that turns has sub-steps a thousand times shorter than it is long: by so much less are the
+  // planes of its triangles known, whose edges rounding moves by 1e-16 m.
+  expectSameMeshTurned(kStrokes, 1e-11);
 }
 
 /// Cuts a body and its image by the same cuts and expects as many of everything, and pieces of the same

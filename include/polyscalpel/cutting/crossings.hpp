@@ -165,9 +165,10 @@ class Crossings {
   bool isSettled(const PolyhedralMesh& mesh, Edge edge, const CrossedEdge& crossed) const;
 
   struct Snap {
-    int side = 0;       ///< of the vertex; 0 for one made on the blade's surface
-    int time = 0;       ///< when the blade's surface came to go through it
-    int last_time = 0;  ///< when the blade was last here
+    int side = 0;             ///< of the vertex; 0 for one made on the blade's surface
+    int time = 0;             ///< when the blade's surface came to go through it
+    int last_time = 0;        ///< when the blade was last here
+    bool has_joined = false;  ///< no hit has brought it here
     std::vector<std::pair<VertexId, int>>
         neighbours;                               ///< sides of vertices at the other end of crossed edges
     std::vector<std::pair<VertexId, int>> again;  ///< the same as the blade comes back, released before
