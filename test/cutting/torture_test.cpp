@@ -83,7 +83,7 @@ TEST(Torture, WhatIsCutAgainIsNotTornWhereItWas) {
 
 TEST(Torture, WedgesDrawnAgainAreNotCutAcross) {
   // In, out by another way, and once more: corners of both walls hold apart what lies between them.
-  for (const unsigned seed : {4u, 27u, 31u, 35u}) {
+  for (const unsigned seed : {4u, 27u, 35u}) {
     TorturePlan plan;
     plan.first_seed = seed;
     plan.cuts_per_body = 2;
