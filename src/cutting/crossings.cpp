@@ -197,9 +197,9 @@ const CrossedEdge* Crossings::find(CellId cell, Edge edge) const {
   // Crossed by the sheet that made the cap, which goes through the snapped corner instead?
   for (const VertexId end : {edge.first, edge.second}) {
     const auto settled = part->second.settled.find(end);
-    if (settled != part->second.settled.end() && place->second.time <= settled->second &&
-        !isComingBack(place->second.normal, snaps_.at(end).normal))
-      return nullptr;
+    if (settled == part->second.settled.end() || place->second.time > settled->second) continue;
+    const auto snap = snaps_.find(end);
+    if (snap == snaps_.end() || !isComingBack(place->second.normal, snap->second.normal)) return nullptr;
   }
   return &place->second;
 }
