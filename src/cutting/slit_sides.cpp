@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <utility>
 
+#include <boost/container/flat_map.hpp>
+
 #include "polyscalpel/cutting/crossings.hpp"
 #include "polyscalpel/cutting/vertices_in_line.hpp"
 #include "polyscalpel/mesh/surface.hpp"
@@ -48,9 +50,10 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
       const auto crossed = edges_.find(makeEdge(corner, other));
       const int side = crossed == edges_.end() ? snap->second.sideOfNeighbour(other)
                                                : crossed->second.sideAt(other < corner);
-      const auto add = [&](Votes& sum) {
+      const bool is_at_face = isInFace(corner);
+      const auto add = [side, is_at_face](Votes& sum) {
         sum.anywhere += side;
-        if (isInFace(corner)) sum.at_face += side;
+        if (is_at_face) sum.at_face += side;
       };
       add(votes[other]);
       if (crossed != edges_.end() || !snap->second.has_joined || snap->second.isTold(other)) add(told[other]);
@@ -58,8 +61,8 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
   }
   // A vertex high above the face tells most: what lies near the blade's surface may be on either side of it
   // by rounding or by the bend of the surface.
-  const auto [origin, area] = planeOf(mesh.face(face_id), mesh.restPositions());
-  const Eigen::Vector3d normal = area.normalized();
+  const auto plane = planeOf(mesh.face(face_id), mesh.restPositions());
+  const Eigen::Vector3d origin = plane.first, normal = plane.second.normalized();
   const double least = kSmallestHeight * mesh.localSize(cell);
   const auto sideBy = [&](const auto& of_vertices) {
     double at_face = 0, anywhere = 0;
