@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -31,21 +32,28 @@ VertexId vertexAt(const PolyhedralMesh& mesh, const Vector3d& point) {
   throw std::logic_error("no vertex there");
 }
 
+using Ends = std::pair<Vector3d, Vector3d>;
+
+/// Gives two edges of a face a vertex in their middle, and the face a chord from one to the other, as a cut
+/// through a neighbour leaves them.
+void chordBetweenMiddles(PolyhedralMesh& mesh, const Ends& first, const Ends& second) {
+  MeshEditor editor(mesh);
+  const VertexId from = editor.splitEdge(vertexAt(mesh, first.first), vertexAt(mesh, first.second), 0.5);
+  const VertexId to = editor.splitEdge(vertexAt(mesh, second.first), vertexAt(mesh, second.second), 0.5);
+  for (const FaceId id : std::vector<FaceId>(mesh.facesAround(from))) {
+    const auto& around = mesh.facesAround(to);
+    if (std::find(around.begin(), around.end(), id) != around.end()) editor.splitFace(id, from, to);
+  }
+  editor.commit();
+}
+
 TEST(SplitCells, AVertexBetweenTwoCornersOfTheCutInOneEdgeJoinsIt) {
   // A cube with a vertex in its edge along z and a chord from there, as a cut through a neighbour leaves
   // them. A plane that passes the edge within the snap distance crosses other edges at the edge's ends, and
   // none at that vertex.
   for (const double off : {0.001, 0.02, 0.04}) {
     PolyhedralMesh mesh = makeHexBox(Vector3d::Zero(), Vector3d::Ones(), {1, 1, 1});
-    MeshEditor editor(mesh);
-    const VertexId from = vertexAt(mesh, {0, 0, 0}), to = vertexAt(mesh, {0, 0, 1});
-    const VertexId between = editor.splitEdge(from, to, 0.5);
-    const VertexId beyond = editor.splitEdge(vertexAt(mesh, {1, 0, 0}), vertexAt(mesh, {1, 0, 1}), 0.5);
-    for (const FaceId id : std::vector<FaceId>(mesh.facesAround(between))) {
-      const auto& around = mesh.facesAround(beyond);
-      if (std::find(around.begin(), around.end(), id) != around.end()) editor.splitFace(id, between, beyond);
-    }
-    editor.commit();
+    chordBetweenMiddles(mesh, {{0, 0, 0}, {0, 0, 1}}, {{1, 0, 0}, {1, 0, 1}});
     ASSERT_TRUE(checkMesh(mesh).empty()) << checkMesh(mesh).front();
 
     const Matrix3Xd positions = mesh.restPositions();
@@ -61,14 +69,7 @@ TEST(SplitCells, AFaceWithAVertexInItsStraightSideOpensAlongIt) {
   // A plane goes along the face between two cubes, so near that all its corners are snapped. The vertex in
   // one of its sides has no edge but along the face and away from the plane: nothing of it is crossed.
   PolyhedralMesh mesh = makeHexBox(Vector3d::Zero(), Vector3d(1, 1, 2), {1, 1, 2});
-  MeshEditor editor(mesh);
-  const VertexId between = editor.splitEdge(vertexAt(mesh, {0, 0, 1}), vertexAt(mesh, {0, 1, 1}), 0.5);
-  const VertexId above = editor.splitEdge(vertexAt(mesh, {0, 0, 2}), vertexAt(mesh, {0, 1, 2}), 0.5);
-  for (const FaceId id : std::vector<FaceId>(mesh.facesAround(between))) {
-    const auto& around = mesh.facesAround(above);
-    if (std::find(around.begin(), around.end(), id) != around.end()) editor.splitFace(id, between, above);
-  }
-  editor.commit();
+  chordBetweenMiddles(mesh, {{0, 0, 1}, {0, 1, 1}}, {{0, 0, 2}, {0, 1, 2}});
   ASSERT_TRUE(checkMesh(mesh).empty()) << checkMesh(mesh).front();
 
   const Matrix3Xd positions = mesh.restPositions();

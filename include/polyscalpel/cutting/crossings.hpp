@@ -30,8 +30,9 @@ class Crossings {
  public:
   /// Remembers a hit; the first one on an edge wins, until the blade has left all cells around it and comes
   /// back elsewhere on the edge. Where a bent way only grazes the edge, its second hit takes the first one
-  /// back. Dropped: a hit within the snap distance of the slit that this stroke has
-  /// just made, and one on an edge that lies in the slit, but not where the stroke crosses the slit.
+  /// back; where the blade comes back through it elsewhere, both count. Dropped: a hit within the snap
+  /// distance of the slit that this stroke has just made, and one on an edge that lies in the slit, but not
+  /// where the stroke crosses the slit.
   void add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tolerance);
 
   /// The crossing of a cell's edge, nullptr where there is none that counts for this cell.
