@@ -65,11 +65,12 @@ TEST(SplitCells, AVertexBetweenTwoCornersOfTheCutInOneEdgeJoinsIt) {
   }
 }
 
-TEST(SplitCells, AFaceWithAVertexInItsStraightSideOpensAlongIt) {
-  // A plane goes along the face between two cubes, so near that all its corners are snapped. The vertex in
-  // one of its sides has no edge but along the face and away from the plane: nothing of it is crossed.
+TEST(SplitCells, AFaceWithVerticesInAStraightSideOpensAlongIt) {
+  // A plane goes along the face between two cubes, so near that all its corners are snapped. The vertices in
+  // one of its sides have no edge but along the face and away from the plane: nothing of them is crossed.
   PolyhedralMesh mesh = makeHexBox(Vector3d::Zero(), Vector3d(1, 1, 2), {1, 1, 2});
   chordBetweenMiddles(mesh, {{0, 0, 1}, {0, 1, 1}}, {{0, 0, 2}, {0, 1, 2}});
+  chordBetweenMiddles(mesh, {{0, 0.5, 1}, {0, 1, 1}}, {{0, 0.5, 2}, {0, 1, 2}});
   ASSERT_TRUE(checkMesh(mesh).empty()) << checkMesh(mesh).front();
 
   const Matrix3Xd positions = mesh.restPositions();
