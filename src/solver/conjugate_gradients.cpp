@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <type_traits>
 
 #include "polyscalpel/core/checks.hpp"
@@ -27,20 +28,119 @@ void ConjugateGradients<Scalar>::precondition(Preconditioner& preconditioner) {
   }
 }
 
+/// Whether the parts are others than before.
+template <class Scalar>
+bool ConjugateGradients<Scalar>::setParts(const std::vector<int>& active,
+                                          const std::vector<int>& part_of_vertex) {
+  const bool has_changed = runs_.set(active);
+  if (!has_changed && part_of_vertex == part_of_vertex_ && !parts_.empty()) return false;
+  part_of_vertex_ = part_of_vertex;
+  std::vector<std::vector<int>> vertices;
+  std::map<int, std::size_t> place;
+  for (const int i : active) {
+    const std::size_t part =
+        place.emplace(part_of_vertex.empty() ? 0 : part_of_vertex[i], place.size()).first->second;
+    if (part == vertices.size()) vertices.emplace_back();
+    vertices[part].push_back(i);
+  }
+  parts_.assign(vertices.size(), Part());
+  for (std::size_t part = 0; part < vertices.size(); ++part) parts_[part].runs.set(vertices[part]);
+  return true;
+}
+
+/// b . b. Says what the parts may leave of the residual: together the tolerance, each by its load.
+template <class Scalar>
+double ConjugateGradients<Scalar>::begin(const DifferenceMatrix<Scalar>& matrix, const Vector& b,
+                                         double tolerance) {
+  double square_b = 0, square_mass = 0, sum = 0;
+  for (Part& part : parts_) {
+    part.square_b = part.runs.dot(b, b);
+    part.square_mass = part.energy = part.step_energy = part.last_energy = part.rest_energy = 0;
+    part.is_solved = false;
+    for (const ActiveRuns::Run& run : part.runs.runs()) {
+      for (Eigen::Index i = run.first / 3; i < (run.first + run.count) / 3; ++i)
+        part.square_mass += matrix.masses[i] * matrix.masses[i];
+    }
+    square_b += part.square_b;
+    square_mass += part.square_mass;
+  }
+  for (Part& part : parts_) {
+    part.share = square_mass > 0 ? part.square_mass / square_mass : 0;
+    part.square_allowed = std::max(part.square_b, part.share * square_b);
+    sum += part.square_allowed;
+  }
+  for (Part& part : parts_) part.square_allowed *= tolerance * tolerance * square_b / sum;
+  return square_b;
+}
+
+/// Of a part that is not solved: what is left, and whether that will do.
+template <class Scalar>
+void ConjugateGradients<Scalar>::look(const IterationLimits& limits, int iterations, Part& part) {
+  part.square_r = part.runs.dot(r_, r_);
+  if (iterations > 0) {
+    // What steps gain falls off like a geometric series, if it falls.
+    const double ratio = part.last_energy > 0 ? std::min(part.step_energy / part.last_energy, 0.9) : 0.5;
+    part.rest_energy = part.step_energy * ratio / (1 - ratio);
+  }
+  if (limits.error_target) {
+    const double square_target = *limits.error_target * *limits.error_target;
+    part.is_solved = iterations > 1 && part.rest_energy <= square_target * part.energy;
+  } else {
+    // The residual tells little of how a small piece swings on a sliver. With all in one part it decides
+    // alone.
+    constexpr double kErrorOfSmallPart = 0.1;
+    const double target = kErrorOfSmallPart * limits.tolerance;
+    part.is_solved = part.square_r <= part.square_allowed &&
+                     (1 - part.share) * part.rest_energy <= target * target * part.energy;
+  }
+  part.is_solved = part.is_solved || part.square_r == 0;
+}
+
+/// The next direction; false where the preconditioner is not positive.
+template <class Scalar>
+bool ConjugateGradients<Scalar>::turn(bool is_first, Part& part) {
+  const double before = part.r_dot_z;
+  part.r_dot_z = part.runs.dot(r_, z_);
+  if (!(part.r_dot_z > 0) || !std::isfinite(part.r_dot_z)) return false;
+  if (is_first) {
+    part.runs.forEach([](auto p, const auto& z) { p = z; }, p_, z_);
+  } else {
+    const Scalar beta = static_cast<Scalar>(part.r_dot_z / before);
+    part.runs.forEach([&](auto p, const auto& z) { p = z + beta * p; }, p_, z_);
+  }
+  return true;
+}
+
+/// A step along it; false where the matrix is not positive.
+template <class Scalar>
+bool ConjugateGradients<Scalar>::advance(Part& part, Vector& x) {
+  const double curvature = part.runs.dot(p_, q_);
+  if (!(curvature > 0) || !std::isfinite(curvature)) return false;
+  const double alpha = part.r_dot_z / curvature;
+  const Scalar step = static_cast<Scalar>(alpha);
+  part.runs.forEach([&](auto x_run, const auto& p) { x_run += step * p; }, x, p_);
+  part.runs.forEach([&](auto r, const auto& q) { r -= step * q; }, r_, q_);
+  part.last_energy = part.step_energy;
+  part.step_energy = alpha * part.r_dot_z;
+  part.energy += part.step_energy;
+  return true;
+}
+
 template <class Scalar>
 IterationResult ConjugateGradients<Scalar>::solve(const RowPattern& pattern,
                                                   const DifferenceMatrix<Scalar>& matrix,
-                                                  const std::vector<int>& active, const Vector& b,
+                                                  const std::vector<int>& active,
+                                                  const std::vector<int>& part_of_vertex, const Vector& b,
                                                   Preconditioner& preconditioner,
                                                   const IterationLimits& limits, int num_threads, Vector& x) {
   const Eigen::Index size = paddedSize(pattern.numVertices());
   POLYSCALPEL_ASSERT(b.size() == size && x.size() == size);
-  if (runs_.set(active) || r_.size() != size) {
+  if (setParts(active, part_of_vertex) || r_.size() != size) {
     for (Vector* const vector : {&r_, &z_, &p_, &q_}) vector->setZero(size);
   }
   IterationResult result;
-  const double norm_b = std::sqrt(runs_.dot(b, b));
-  if (norm_b == 0) {
+  const double square_b = begin(matrix, b, limits.tolerance);
+  if (square_b == 0) {
     x.setZero();
     return result;
   }
@@ -48,26 +148,25 @@ IterationResult ConjugateGradients<Scalar>::solve(const RowPattern& pattern,
   if (runs_.dot(x, x) != 0) {
     multiply(pattern, matrix, active, x.data(), q_.data(), num_threads);
     runs_.forEach([](auto r, const auto& q) { r -= q; }, r_, q_);
+    for (Part& part : parts_) part.energy = std::abs(part.runs.dot(x, b));
   }
-  double step_energy = 0, last_energy = 0, energy = std::abs(runs_.dot(x, b));
-  double r_dot_z = 0;
   while (true) {
-    result.relative_residual = std::sqrt(runs_.dot(r_, r_)) / norm_b;
-    if (result.iterations > 0) {
-      // What steps gain falls off like a geometric series, if it falls.
-      const double ratio = last_energy > 0 ? std::min(step_energy / last_energy, 0.9) : 0.5;
-      const double rest = step_energy * ratio / (1 - ratio);
-      result.estimated_error = energy > 0 ? std::sqrt(rest / energy) : 0;
+    bool are_solved = true;
+    double square_r = 0, energy = 0, rest_energy = 0;
+    for (Part& part : parts_) {
+      if (!part.is_solved) look(limits, result.iterations, part);
+      are_solved = are_solved && part.is_solved;
+      square_r += part.square_r;
+      energy += part.energy;
+      rest_energy += part.rest_energy;
     }
+    result.relative_residual = std::sqrt(square_r / square_b);
+    if (result.iterations > 0) result.estimated_error = energy > 0 ? std::sqrt(rest_energy / energy) : 0;
     if (!std::isfinite(result.relative_residual)) {
       result.end = IterationResult::End::kBreakdown;
       return result;
     }
-    const bool is_done = limits.error_target
-                             ? (result.iterations > 1 && result.estimated_error <= *limits.error_target) ||
-                                   result.relative_residual == 0
-                             : result.relative_residual <= limits.tolerance;
-    if (is_done) return result;
+    if (are_solved) return result;
     if (result.iterations >= limits.max_iterations) {
       result.end = IterationResult::End::kIterations;
       return result;
@@ -77,31 +176,19 @@ IterationResult ConjugateGradients<Scalar>::solve(const RowPattern& pattern,
       return result;
     }
     precondition(preconditioner);
-    const double r_dot_z_before = r_dot_z;
-    r_dot_z = runs_.dot(r_, z_);
-    if (!(r_dot_z > 0) || !std::isfinite(r_dot_z)) {
-      result.end = IterationResult::End::kBreakdown;
-      return result;
-    }
-    if (result.iterations == 0) {
-      runs_.forEach([](auto p, const auto& z) { p = z; }, p_, z_);
-    } else {
-      const Scalar beta = static_cast<Scalar>(r_dot_z / r_dot_z_before);
-      runs_.forEach([&](auto p, const auto& z) { p = z + beta * p; }, p_, z_);
+    for (Part& part : parts_) {
+      if (!part.is_solved && !turn(result.iterations == 0, part)) {
+        result.end = IterationResult::End::kBreakdown;
+        return result;
+      }
     }
     multiply(pattern, matrix, active, p_.data(), q_.data(), num_threads);
-    const double curvature = runs_.dot(p_, q_);
-    if (!(curvature > 0) || !std::isfinite(curvature)) {
-      result.end = IterationResult::End::kBreakdown;
-      return result;
+    for (Part& part : parts_) {
+      if (!part.is_solved && !advance(part, x)) {
+        result.end = IterationResult::End::kBreakdown;
+        return result;
+      }
     }
-    const double alpha = r_dot_z / curvature;
-    const Scalar step = static_cast<Scalar>(alpha);
-    runs_.forEach([&](auto x_run, const auto& p) { x_run += step * p; }, x, p_);
-    runs_.forEach([&](auto r, const auto& q) { r -= step * q; }, r_, q_);
-    last_energy = step_energy;
-    step_energy = alpha * r_dot_z;
-    energy += step_energy;
     ++result.iterations;
   }
 }

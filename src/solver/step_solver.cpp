@@ -9,7 +9,7 @@
 #include "ban.hpp"
 #include "earlier_solutions.hpp"
 #include "factor_maker.hpp"
-#include "free_parts.hpp"
+#include "movable_parts.hpp"
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/solver/aggregates.hpp"
 #include "polyscalpel/solver/block_jacobi.hpp"
@@ -91,7 +91,7 @@ struct StepSolver::Impl {
     EarlierSolutions::Room<Scalar> earlier;
     ActiveRuns runs;
   };
-  std::optional<FreeParts> free_parts;  // found when first asked for
+  std::optional<MovableParts> parts;  // found when first asked for
 
   Lane<float> single;
   Lane<double> twofold;
@@ -184,7 +184,7 @@ void StepSolver::Impl::prepare(StepSystem& system) {
   factor.reset();
   solutions.clear();
   is_direct_analysed = false;
-  free_parts.reset();
+  parts.reset();
   of_single = of_iterations = {};
   many_iterations_since = 0;
   was_factor_tried = prefers_factor = false;
@@ -416,6 +416,7 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   IterationLimits limits = limitsOf(is_touched, step_start);
   const int most_iterations = limits.max_iterations;
   const int most_with_patch = static_cast<int>(kMostADigitWithPatch * std::max(-std::log10(finest()), 1.0));
+  if (!parts) parts.emplace(system.pattern(), system.movable());
   const auto hasFailed = [&](const IterationResult& done) {
     return done.end == IterationResult::End::kIterations || done.end == IterationResult::End::kBreakdown ||
            !lane.x.allFinite();
@@ -424,8 +425,8 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   while (true) {
     const bool has_patch = kind == SolverKind::kFactor && factor->patchSize() > 0;
     limits.max_iterations = has_patch ? std::min(most_iterations, most_with_patch) : most_iterations;
-    done = lane.iteration.solve(system.pattern(), lane.matrix, active, lane.b, chosen, limits, config.threads,
-                                lane.x);
+    done = lane.iteration.solve(system.pattern(), lane.matrix, active, parts->partOfVertex(), lane.b, chosen,
+                                limits, config.threads, lane.x);
     report.iterations += done.iterations;
     if (!has_patch || !hasFailed(done)) break;
     renewPatchOrFactor(system);
@@ -447,8 +448,7 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   for (const int i : active) {
     for (int c = 0; c < 3; ++c) x(c, i) = length * static_cast<double>(lane.x[3 * i + c]);
   }
-  if (!free_parts) free_parts.emplace(system.pattern(), system.movable());
-  free_parts->keepMomentum(lane.matrix, active, b, x);
+  parts->keepMomentum(lane.matrix, active, b, x);
   if (length > 0) solutions.keep(active, lane.runs, lane.x, config.projection);
   result.status = SolveStatus::kSolved;
   return true;
@@ -493,7 +493,7 @@ void StepSolver::follow(const std::vector<AddedVertex>& added, const std::vector
     s.stale_steps = 0;
   }
   s.is_direct_analysed = false;
-  s.free_parts.reset();
+  s.parts.reset();
   s.solutions.clear();
   s.factors.follow(added, touched);
   if (s.factor) s.factor->follow(added, touched);

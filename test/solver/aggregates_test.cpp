@@ -121,7 +121,7 @@ struct Bent {
     Eigen::VectorXf x = Eigen::VectorXf::Zero(paddedSize(system.pattern().numVertices()));
     const Eigen::VectorXf b = toPadded<float>(system, someLoad(system, 2)).normalized();
     const IterationResult result =
-        iteration.solve(system.pattern(), matrix, system.active(), b, preconditioner, limits, 1, x);
+        iteration.solve(system.pattern(), matrix, system.active(), {}, b, preconditioner, limits, 1, x);
     EXPECT_EQ(result.end, IterationResult::End::kConverged);
     return result.iterations;
   }

@@ -52,7 +52,7 @@ struct Problem {
 
   IterationResult solve(const IterationLimits& limits, Vector& x, Preconditioner& preconditioner) {
     ConjugateGradients<Scalar> iteration;
-    return iteration.solve(system.pattern(), matrix, system.active(), b, preconditioner, limits, 1, x);
+    return iteration.solve(system.pattern(), matrix, system.active(), {}, b, preconditioner, limits, 1, x);
   }
   IterationResult solve(const IterationLimits& limits, Vector& x) { return solve(limits, x, jacobi); }
 

@@ -14,8 +14,11 @@
 namespace polyscalpel {
 
 struct IterationLimits {
-  double tolerance = 1e-4;             ///< |r| / |b|
-  std::optional<double> error_target;  ///< instead: estimated error in the norm of A, relative to x
+  /// |r| / |b|. Each part may have what remains of its load, or of its share of all by mass where that is
+  /// more.
+  double tolerance = 1e-4;
+  std::optional<double>
+      error_target;  ///< instead: estimated error of each part in the norm of A, relative to x
   int max_iterations = 500;
   std::optional<std::chrono::steady_clock::time_point> deadline;  ///< ends it, after the first iteration
 };
@@ -38,20 +41,43 @@ struct IterationResult {
 /// of alpha_j r_j.z_j over all later steps j (Z. Strakos, P. Tichy, "On Error Estimation in the Conjugate
 /// Gradient Method and Why It Works in Finite Precision Computations", 2002); of these the next few are taken
 /// from how the last ones fell. Sums run in double precision, in a fixed order.
+///
+/// Parts that no entry of A joins, nor the preconditioner, are iterated side by side, each by its own sums,
+/// so that none waits for what is hard in another, and each ends by itself: a light piece's residual would
+/// hardly show in that of all, and it would spin.
 template <class Scalar>
 class ConjugateGradients {
  public:
   using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
 
   /// Solves A x = b from the x that is given. b, x: of paddedSize(), zero at vertices that are not active.
+  /// part_of_vertex: a number of each active vertex's part; empty: all are one.
   IterationResult solve(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
-                        const std::vector<int>& active, const Vector& b, Preconditioner& preconditioner,
-                        const IterationLimits& limits, int num_threads, Vector& x);
+                        const std::vector<int>& active, const std::vector<int>& part_of_vertex,
+                        const Vector& b, Preconditioner& preconditioner, const IterationLimits& limits,
+                        int num_threads, Vector& x);
 
  private:
+  struct Part {
+    ActiveRuns runs;
+    double square_mass = 0;  // sum of the vertices' squares
+    double share = 0;        // of that of all parts
+    double square_b = 0, square_allowed = 0, square_r = 0;
+    double r_dot_z = 0;
+    double energy = 0, step_energy = 0, last_energy = 0, rest_energy = 0;
+    bool is_solved = false;
+  };
+
+  bool setParts(const std::vector<int>& active, const std::vector<int>& part_of_vertex);
+  double begin(const DifferenceMatrix<Scalar>& matrix, const Vector& b, double tolerance);
+  void look(const IterationLimits& limits, int iterations, Part& part);
+  bool turn(bool is_first, Part& part);
+  bool advance(Part& part, Vector& x);
   void precondition(Preconditioner& preconditioner);
 
+  std::vector<int> part_of_vertex_;
   ActiveRuns runs_;
+  std::vector<Part> parts_;
   Vector r_, z_, p_, q_;
   Eigen::VectorXf single_r_, single_z_;  // of the iteration in double precision
 };
