@@ -113,12 +113,14 @@ bool ConjugateGradients<Scalar>::turn(bool is_first, Part& part) {
 
 /// A step along it; false where the matrix is not positive.
 template <class Scalar>
-bool ConjugateGradients<Scalar>::advance(Part& part, Vector& x) {
+bool ConjugateGradients<Scalar>::advance(Part& part, Eigen::VectorXd& x) {
   const double curvature = part.runs.dot(p_, q_);
   if (!(curvature > 0) || !std::isfinite(curvature)) return false;
   const double alpha = part.r_dot_z / curvature;
   const Scalar step = static_cast<Scalar>(alpha);
-  part.runs.forEach([&](auto x_run, const auto& p) { x_run += step * p; }, x, p_);
+  part.runs.forEach(
+      [&](auto x_run, const auto& p) { x_run += static_cast<double>(step) * p.template cast<double>(); }, x,
+      p_);
   part.runs.forEach([&](auto r, const auto& q) { r -= step * q; }, r_, q_);
   part.last_energy = part.step_energy;
   part.step_energy = alpha * part.r_dot_z;
@@ -127,12 +129,10 @@ bool ConjugateGradients<Scalar>::advance(Part& part, Vector& x) {
 }
 
 template <class Scalar>
-IterationResult ConjugateGradients<Scalar>::solve(const RowPattern& pattern,
-                                                  const DifferenceMatrix<Scalar>& matrix,
-                                                  const std::vector<int>& active,
-                                                  const std::vector<int>& part_of_vertex, const Vector& b,
-                                                  Preconditioner& preconditioner,
-                                                  const IterationLimits& limits, int num_threads, Vector& x) {
+IterationResult ConjugateGradients<Scalar>::solve(
+    const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix, const std::vector<int>& active,
+    const std::vector<int>& part_of_vertex, const Vector& b, Preconditioner& preconditioner,
+    const IterationLimits& limits, int num_threads, Eigen::VectorXd& x) {
   const Eigen::Index size = paddedSize(pattern.numVertices());
   POLYSCALPEL_ASSERT(b.size() == size && x.size() == size);
   if (setParts(active, part_of_vertex) || r_.size() != size) {
@@ -146,9 +146,16 @@ IterationResult ConjugateGradients<Scalar>::solve(const RowPattern& pattern,
   }
   runs_.forEach([](auto r, const auto& b_run) { r = b_run; }, r_, b);
   if (runs_.dot(x, x) != 0) {
-    multiply(pattern, matrix, active, x.data(), q_.data(), num_threads);
+    // Rounded, so that the residual is that of this very x.
+    runs_.forEach(
+        [](auto z, auto x_run) {
+          z = x_run.template cast<Scalar>();
+          x_run = z.template cast<double>();
+        },
+        z_, x);
+    multiply(pattern, matrix, active, z_.data(), q_.data(), num_threads);
     runs_.forEach([](auto r, const auto& q) { r -= q; }, r_, q_);
-    for (Part& part : parts_) part.energy = std::abs(part.runs.dot(x, b));
+    for (Part& part : parts_) part.energy = std::abs(part.runs.dot(z_, b));
   }
   while (true) {
     bool are_solved = true;

@@ -8,7 +8,7 @@ namespace polyscalpel {
 template <class Scalar>
 void EarlierSolutions::guess(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
                              const std::vector<int>& active, const ActiveRuns& runs, const Vector<Scalar>& b,
-                             int num_threads, Room<Scalar>& room, Vector<Scalar>& x) {
+                             int num_threads, Room<Scalar>& room, Eigen::VectorXd& x) {
   runs.forEach([](auto run) { run.setZero(); }, x);
   if (active_ != active) clear();
   const int count = static_cast<int>(solutions_.size());
@@ -33,13 +33,12 @@ void EarlierSolutions::guess(const RowPattern& pattern, const DifferenceMatrix<S
   const Eigen::VectorXd y = gram.ldlt().solve(right);
   if (!y.allFinite()) return;
   for (int k = 0; k < count; ++k) {
-    const Scalar part = static_cast<Scalar>(y[k]);
-    runs.forEach([&](auto run, const auto& column) { run += part * column; }, x, room.columns[k]);
+    runs.forEach([&](auto run, const auto& column) { run += y[k] * column.template cast<double>(); }, x,
+                 room.columns[k]);
   }
 }
 
-template <class Scalar>
-void EarlierSolutions::keep(const std::vector<int>& active, const ActiveRuns& runs, const Vector<Scalar>& x,
+void EarlierSolutions::keep(const std::vector<int>& active, const ActiveRuns& runs, const Eigen::VectorXd& x,
                             int most) {
   if (most == 0) return;
   if (active_ != active) clear();
@@ -48,20 +47,16 @@ void EarlierSolutions::keep(const std::vector<int>& active, const ActiveRuns& ru
   Eigen::VectorXd& kept = solutions_.emplace_front(3 * static_cast<Eigen::Index>(active.size()));
   Eigen::Index place = 0;
   for (const ActiveRuns::Run& run : runs.runs()) {
-    kept.segment(place, run.count) = x.segment(run.first, run.count).template cast<double>();
+    kept.segment(place, run.count) = x.segment(run.first, run.count);
     place += run.count;
   }
 }
 
 template void EarlierSolutions::guess<float>(const RowPattern&, const DifferenceMatrix<float>&,
                                              const std::vector<int>&, const ActiveRuns&, const Vector<float>&,
-                                             int, Room<float>&, Vector<float>&);
+                                             int, Room<float>&, Eigen::VectorXd&);
 template void EarlierSolutions::guess<double>(const RowPattern&, const DifferenceMatrix<double>&,
                                               const std::vector<int>&, const ActiveRuns&,
-                                              const Vector<double>&, int, Room<double>&, Vector<double>&);
-template void EarlierSolutions::keep<float>(const std::vector<int>&, const ActiveRuns&, const Vector<float>&,
-                                            int);
-template void EarlierSolutions::keep<double>(const std::vector<int>&, const ActiveRuns&,
-                                             const Vector<double>&, int);
+                                              const Vector<double>&, int, Room<double>&, Eigen::VectorXd&);
 
 }  // namespace polyscalpel

@@ -31,11 +31,10 @@ class EarlierSolutions {
   template <class Scalar>
   void guess(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
              const std::vector<int>& active, const ActiveRuns& runs, const Vector<Scalar>& b, int num_threads,
-             Room<Scalar>& room, Vector<Scalar>& x);
+             Room<Scalar>& room, Eigen::VectorXd& x);
 
   /// Keeps x as the last one, of at most so many.
-  template <class Scalar>
-  void keep(const std::vector<int>& active, const ActiveRuns& runs, const Vector<Scalar>& x, int most);
+  void keep(const std::vector<int>& active, const ActiveRuns& runs, const Eigen::VectorXd& x, int most);
 
  private:
   std::deque<Eigen::VectorXd> solutions_;  // the last first, 3 numbers an active vertex

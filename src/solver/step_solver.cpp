@@ -87,7 +87,8 @@ struct StepSolver::Impl {
   struct Lane {
     DifferenceMatrix<Scalar> matrix;
     ConjugateGradients<Scalar> iteration;
-    Eigen::Matrix<Scalar, Eigen::Dynamic, 1> b, x;
+    Eigen::Matrix<Scalar, Eigen::Dynamic, 1> b;
+    Eigen::VectorXd x;
     EarlierSolutions::Room<Scalar> earlier;
     ActiveRuns runs;
   };
@@ -405,7 +406,8 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   }
   const Eigen::Index size = paddedSize(system.pattern().numVertices());
   if (lane.runs.set(active) || lane.b.size() != size) {
-    for (auto* const vector : {&lane.b, &lane.x}) vector->setZero(size);
+    lane.b.setZero(size);
+    lane.x.setZero(size);
     lane.earlier = {};
   }
   for (const int i : active) {
@@ -446,7 +448,7 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   }
   x.setZero(3, b.cols());
   for (const int i : active) {
-    for (int c = 0; c < 3; ++c) x(c, i) = length * static_cast<double>(lane.x[3 * i + c]);
+    for (int c = 0; c < 3; ++c) x(c, i) = length * lane.x[3 * i + c];
   }
   parts->keepMomentum(lane.matrix, active, b, x);
   if (length > 0) solutions.keep(active, lane.runs, lane.x, config.projection);

@@ -118,7 +118,7 @@ struct Bent {
     limits.tolerance = 1e-5;
     limits.max_iterations = 10000;
     ConjugateGradients<float> iteration;
-    Eigen::VectorXf x = Eigen::VectorXf::Zero(paddedSize(system.pattern().numVertices()));
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(paddedSize(system.pattern().numVertices()));
     const Eigen::VectorXf b = toPadded<float>(system, someLoad(system, 2)).normalized();
     const IterationResult result =
         iteration.solve(system.pattern(), matrix, system.active(), {}, b, preconditioner, limits, 1, x);

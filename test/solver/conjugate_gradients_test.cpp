@@ -48,13 +48,15 @@ struct Problem {
     exact = toPadded<double>(system, solveByFactor(system, load));
   }
 
-  Vector zero() const { return Vector::Zero(b.size()); }
+  Eigen::VectorXd zero() const { return Eigen::VectorXd::Zero(b.size()); }
 
-  IterationResult solve(const IterationLimits& limits, Vector& x, Preconditioner& preconditioner) {
+  IterationResult solve(const IterationLimits& limits, Eigen::VectorXd& x, Preconditioner& preconditioner) {
     ConjugateGradients<Scalar> iteration;
     return iteration.solve(system.pattern(), matrix, system.active(), {}, b, preconditioner, limits, 1, x);
   }
-  IterationResult solve(const IterationLimits& limits, Vector& x) { return solve(limits, x, jacobi); }
+  IterationResult solve(const IterationLimits& limits, Eigen::VectorXd& x) {
+    return solve(limits, x, jacobi);
+  }
 
   double energyNorm(const Eigen::VectorXd& x) const {
     Eigen::VectorXd product = Eigen::VectorXd::Zero(x.size());
@@ -62,9 +64,7 @@ struct Problem {
     return std::sqrt(x.dot(product));
   }
   /// |x - A^-1 b| / |A^-1 b| in the norm of A.
-  double errorOf(const Vector& x) const {
-    return energyNorm(x.template cast<double>() - exact) / energyNorm(exact);
-  }
+  double errorOf(const Eigen::VectorXd& x) const { return energyNorm(x - exact) / energyNorm(exact); }
 };
 
 IterationLimits withTolerance(double tolerance) {
@@ -86,7 +86,7 @@ TEST(ConjugateGradients, ConvergesToTheExactSolution) {
     EXPECT_LT((x - problem.exact).norm(), 1e-9 * problem.exact.norm());
 
     Problem<float> single;
-    Eigen::VectorXf x_single = single.zero();
+    Eigen::VectorXd x_single = single.zero();
     if (by_groups) {
       EXPECT_EQ(single.solve(withTolerance(1e-6), x_single, single.aggregates).end, End::kConverged);
     } else {
@@ -163,8 +163,8 @@ TEST(ConjugateGradients, NoLoadIsSolvedByZero) {
   Problem<float> problem;
   problem.b.setZero();
   for (const bool from_zero : {true, false}) {
-    Eigen::VectorXf x = problem.zero();
-    if (!from_zero) x = problem.exact.cast<float>();
+    Eigen::VectorXd x = problem.zero();
+    if (!from_zero) x = problem.exact;
     const IterationResult result = problem.solve(withTolerance(1e-4), x);
     EXPECT_EQ(result.end, End::kConverged);
     EXPECT_EQ(result.iterations, 0);
@@ -225,7 +225,7 @@ TEST(ConjugateGradients, EndsAtTheMostIterations) {
   for (const int most : {1, 2, 7}) {
     IterationLimits limits = withTolerance(1e-6);
     limits.max_iterations = most;
-    Eigen::VectorXf x = problem.zero();
+    Eigen::VectorXd x = problem.zero();
     const IterationResult result = problem.solve(limits, x);
     EXPECT_EQ(result.end, End::kIterations);
     EXPECT_EQ(result.iterations, most);
@@ -239,7 +239,7 @@ TEST(ConjugateGradients, ADeadlineEndsItAfterTheFirstIteration) {
   const auto now = std::chrono::steady_clock::now();
   IterationLimits limits = withTolerance(1e-6);
   limits.deadline = now - std::chrono::seconds(1);
-  Eigen::VectorXf x = problem.zero();
+  Eigen::VectorXd x = problem.zero();
   IterationResult result = problem.solve(limits, x);
   EXPECT_EQ(result.end, End::kDeadline);
   EXPECT_EQ(result.iterations, 1);

@@ -50,12 +50,13 @@ class ConjugateGradients {
  public:
   using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
 
-  /// Solves A x = b from the x that is given. b, x: of paddedSize(), zero at vertices that are not active.
-  /// part_of_vertex: a number of each active vertex's part; empty: all are one.
+  /// Solves A x = b from the x that is given. x is summed up in double precision: stiff cells make forces of
+  /// what rounding it to single precision changes. b, x: of paddedSize(), zero at vertices that are not
+  /// active. part_of_vertex: a number of each active vertex's part; empty: all are one.
   IterationResult solve(const RowPattern& pattern, const DifferenceMatrix<Scalar>& matrix,
                         const std::vector<int>& active, const std::vector<int>& part_of_vertex,
                         const Vector& b, Preconditioner& preconditioner, const IterationLimits& limits,
-                        int num_threads, Vector& x);
+                        int num_threads, Eigen::VectorXd& x);
 
  private:
   struct Part {
@@ -72,7 +73,7 @@ class ConjugateGradients {
   double begin(const DifferenceMatrix<Scalar>& matrix, const Vector& b, double tolerance);
   void look(const IterationLimits& limits, int iterations, Part& part);
   bool turn(bool is_first, Part& part);
-  bool advance(Part& part, Vector& x);
+  bool advance(Part& part, Eigen::VectorXd& x);
   void precondition(Preconditioner& preconditioner);
 
   std::vector<int> part_of_vertex_;
