@@ -33,6 +33,18 @@ MovableParts::MovableParts(const RowPattern& pattern, const std::vector<int>& mo
   }
 }
 
+// Beside a fixed parent a movable vertex is of the other one's part: all that is movable of a cell is of one.
+void MovableParts::follow(const std::vector<AddedVertex>& added, std::vector<int>& part_of_vertex) {
+  if (part_of_vertex.empty()) return;
+  for (const AddedVertex& vertex : added) {
+    const int part = std::max(part_of_vertex[vertex.parents[0]], part_of_vertex[vertex.parents[1]]);
+    if (part < 0) return part_of_vertex.clear();
+    if (vertex.vertex >= static_cast<int>(part_of_vertex.size()))
+      part_of_vertex.resize(vertex.vertex + 1, -1);
+    part_of_vertex[vertex.vertex] = part;
+  }
+}
+
 // Forces within a part add up to nothing, so sum of S_i x_i = sum of b_i, to rounding; a shift makes it so of
 // what an iteration has left.
 template <class Scalar>

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "polyscalpel/core/difference_matrix.hpp"
+#include "polyscalpel/solver/added_vertex.hpp"
 
 namespace polyscalpel {
 
@@ -23,6 +24,9 @@ class MovableParts {
 
   /// Number of each vertex's part; -1 for those that are not movable.
   const std::vector<int>& partOfVertex() const { return part_of_vertex_; }
+  /// The same parts with vertices that cuts have added, though they may have divided parts. Empty where it is
+  /// not known whose they are.
+  static void follow(const std::vector<AddedVertex>& added, std::vector<int>& part_of_vertex);
 
  private:
   struct Part {

@@ -93,6 +93,8 @@ struct StepSolver::Impl {
     ActiveRuns runs;
   };
   std::optional<MovableParts> parts;  // found when first asked for
+  std::vector<int>
+      part_of_vertex;  // that neither the matrix nor what preconditions joins; empty: all are one
 
   Lane<float> single;
   Lane<double> twofold;
@@ -419,6 +421,8 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   const int most_iterations = limits.max_iterations;
   const int most_with_patch = static_cast<int>(kMostADigitWithPatch * std::max(-std::log10(finest()), 1.0));
   if (!parts) parts.emplace(system.pattern(), system.movable());
+  // What is of the body before a cut joins the parts that the cut has made.
+  if (!is_stale) part_of_vertex = parts->partOfVertex();
   const auto hasFailed = [&](const IterationResult& done) {
     return done.end == IterationResult::End::kIterations || done.end == IterationResult::End::kBreakdown ||
            !lane.x.allFinite();
@@ -427,8 +431,8 @@ bool StepSolver::Impl::iterate(StepSystem& system, Lane<Scalar>& lane, const Eig
   while (true) {
     const bool has_patch = kind == SolverKind::kFactor && factor->patchSize() > 0;
     limits.max_iterations = has_patch ? std::min(most_iterations, most_with_patch) : most_iterations;
-    done = lane.iteration.solve(system.pattern(), lane.matrix, active, parts->partOfVertex(), lane.b, chosen,
-                                limits, config.threads, lane.x);
+    done = lane.iteration.solve(system.pattern(), lane.matrix, active, part_of_vertex, lane.b, chosen, limits,
+                                config.threads, lane.x);
     report.iterations += done.iterations;
     if (!has_patch || !hasFailed(done)) break;
     renewPatchOrFactor(system);
@@ -496,6 +500,7 @@ void StepSolver::follow(const std::vector<AddedVertex>& added, const std::vector
   }
   s.is_direct_analysed = false;
   s.parts.reset();
+  MovableParts::follow(added, s.part_of_vertex);
   s.solutions.clear();
   s.factors.follow(added, touched);
   if (s.factor) s.factor->follow(added, touched);

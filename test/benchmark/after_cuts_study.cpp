@@ -39,15 +39,12 @@ Rows studyCutBody(const CutBody& cut, const Context& context) {
   const StepBody baseline = stepBody("tetrahedra, fewest", cut, std::move(tetrahedra), std::move(held));
 
   constexpr int kSteps = kGateSteps[1];
-  // Slivers fill the residual: at the default 1e-4 it left errors of 2.0e-4 (polyhedra) and 1.5e-4
-  // (tetrahedra), 2e-5 one of 1.04e-4 where pieces fall.
-  constexpr double kTolerance = 1e-5;
   const int rounds = context.byMode(1, 3, 5);
   const GateAnswers of_polyhedra = gateAnswers(polyhedra, kSteps),
                     of_baseline = gateAnswers(baseline, kSteps);
-  std::vector<StepEntry> entries = {{&polyhedra, ours("auto", 1, kTolerance), kSteps, rounds, of_polyhedra},
-                                    {&polyhedra, ours("auto", 2, kTolerance), kSteps, rounds, of_polyhedra},
-                                    {&baseline, ours("auto", 1, kTolerance), kSteps, rounds, of_baseline},
+  std::vector<StepEntry> entries = {{&polyhedra, ours("auto"), kSteps, rounds, of_polyhedra},
+                                    {&polyhedra, ours("auto", 2), kSteps, rounds, of_polyhedra},
+                                    {&baseline, ours("auto"), kSteps, rounds, of_baseline},
                                     {&baseline, ours("direct"), kSteps, 1, of_baseline}};
   runInTurns(entries);
   Rows rows;

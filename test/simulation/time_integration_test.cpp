@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polyscalpel/simulation/time_integration.hpp"
 
+#include <algorithm>
+#include <random>
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 
+#include "polyscalpel/cutting/cut_mesh.hpp"
 #include "support/small_bodies.hpp"
 
 namespace polyscalpel {
@@ -106,6 +110,47 @@ TEST(ImplicitEuler, FreeBodyFallsAsAPoint) {
         config.gravity_m_s2 * config.time_step_s * config.time_step_s * step * (step + 1) / 2;
     EXPECT_LT(((state.positions - mesh.restPositions()).colwise() - fallen).norm(), 1e-10);
   }
+}
+
+// By conjugate gradients in single precision, slivers among them.
+TEST(ImplicitEuler, LoosePiecesFallWithoutATurn) {
+  PolyhedralMesh mesh = makeTetBox({0, 0, 0}, {0.1, 0.1, 0.1}, {3, 3, 3});
+  std::mt19937 engine(7);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const auto someVector = [&] { return Eigen::Vector3d(uniform(engine), uniform(engine), uniform(engine)); };
+  for (int k = 1; k <= 45; ++k) {
+    const PlaneCut plane{0.05 * someVector() + Eigen::Vector3d(0.05, 0.05, 0.09), someVector()};
+    ASSERT_NE(cutMesh(mesh, mesh.restPositions(), plane, CuttingConfig(), k).status, CutStatus::kRefused);
+  }
+  IntegrationConfig config;
+  config.mass_damping_per_s = 0;
+  SolverConfig solver;
+  solver.tolerance = 1e-5;
+  ImplicitEuler integrator(config, solver);
+  Assembly assembly(mesh, kMaterial, ElementConfig(), 0);
+  SimulationState state = makeRestState(mesh, {FixedBox{{0, 0, 0}, {1, 1, 0}}});
+  constexpr int kSteps = 10;
+  for (int step = 0; step < kSteps; ++step)
+    ASSERT_EQ(integrator.step(state, assembly, {}).status, SolveStatus::kSolved);
+  const Eigen::Vector3d fallen =
+      config.gravity_m_s2 * config.time_step_s * config.time_step_s * kSteps * (kSteps + 1) / 2;
+  const Pieces pieces = findPieces(mesh);
+  std::vector<bool> is_held(pieces.count, false);
+  for (const CellId cell : mesh.cells()) {
+    for (const VertexId vertex : mesh.cell(cell).vertices) {
+      if (state.fixed[vertex.index()]) is_held[pieces.piece_of_cell[cell.index()]] = true;
+    }
+  }
+  EXPECT_GT(std::count(is_held.begin(), is_held.end(), false), 20);
+  double farthest = 0;
+  for (const CellId cell : mesh.cells()) {
+    if (is_held[pieces.piece_of_cell[cell.index()]]) continue;
+    for (const VertexId vertex : mesh.cell(cell).vertices) {
+      const Eigen::Vector3d way = state.positions.col(vertex.index()) - mesh.restPosition(vertex);
+      farthest = std::max(farthest, (way - fallen).norm());
+    }
+  }
+  EXPECT_LT(farthest, 5e-5 * fallen.norm());
 }
 
 // Backward Euler takes energy out of every linear system, damped or not.

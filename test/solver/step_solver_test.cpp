@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polyscalpel/solver/step_solver.hpp"
 
-#include <algorithm>
 #include <functional>
 #include <limits>
 #include <set>
@@ -9,69 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "polyscalpel/mesh/surface.hpp"
-#include "support/body_system.hpp"
-#include "support/small_bodies.hpp"
+#include "support/solver_runs.hpp"
 
 namespace polyscalpel {
 namespace {
-
-constexpr double kLength = 0.4;  // of the beams [m]
-
-Eigen::Matrix3Xd bentBeam(const PolyhedralMesh& mesh, double angle = 1.2) {
-  return shake(bend(mesh.restPositions(), kLength, angle), 1e-4, 1);
-}
-
-SolverConfig withKind(SolverKind kind, double tolerance = 1e-11, Precision precision = Precision::kDouble) {
-  SolverConfig config;
-  config.kind = kind;
-  config.tolerance = tolerance;
-  config.precision = precision;
-  config.max_iterations = 5000;
-  return config;
-}
-
-struct Solution {
-  SolveResult result;
-  SolverReport report;
-  Eigen::Matrix3Xd x;
-};
-
-Solution solve(StepSolver& solver, BodySystem& system, const Eigen::Matrix3Xd& b, bool begins_step = true) {
-  Solution solution;
-  solution.result =
-      solver.solve(system, b, begins_step, std::chrono::steady_clock::now(), solution.x, solution.report);
-  return solution;
-}
-
-void expectSolved(const Solution& solution, BodySystem& system, const Eigen::Matrix3Xd& b, double error) {
-  EXPECT_EQ(solution.result.status, SolveStatus::kSolved);
-  const Eigen::Matrix3Xd expected = solveByFactor(system, b);
-  EXPECT_LT((solution.x - expected).norm(), error * expected.norm());
-  const std::vector<bool> fixed = system.fixed();
-  for (std::size_t i = 0; i < fixed.size(); ++i) {
-    if (fixed[i]) {
-      EXPECT_TRUE(solution.x.col(static_cast<int>(i)).isZero(0));
-    }
-  }
-}
-
-/// |A x - b| / |b| over some vertices, in double precision.
-double residualOf(BodySystem& system, const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& b,
-                  const std::vector<int>& vertices) {
-  DifferenceMatrix<double> matrix;
-  system.assemble(matrix);
-  const Eigen::VectorXd given = toPadded<double>(system, b), found = toPadded<double>(system, x);
-  Eigen::VectorXd product = Eigen::VectorXd::Zero(found.size());
-  multiply(system.pattern(), matrix, system.active(), found.data(), product.data());
-  double square_r = 0, square_b = 0;
-  for (const int i : vertices) {
-    square_r += (product - given).segment<3>(3 * i).squaredNorm();
-    square_b += given.segment<3>(3 * i).squaredNorm();
-  }
-  return std::sqrt(square_r / square_b);
-}
-
-constexpr SolverKind kIterativeKinds[] = {SolverKind::kJacobi, SolverKind::kFactor, SolverKind::kAggregates};
 
 TEST(StepSolver, EveryKindFindsTheSolution) {
   const PolyhedralMesh mesh = makeTetBeam(4);
@@ -144,26 +84,6 @@ TEST(StepSolver, ChoosesThePrecisionByWhatIsAskedFor) {
   EXPECT_FALSE(isSingle(1e-9, {}));
   EXPECT_TRUE(isSingle(1e-9, 1e-3));
   EXPECT_FALSE(isSingle(1e-4, 1e-8));
-}
-
-/// Cuts the beam from above as deep as `depth`, at x, and tells the solver of it.
-void cutFromAbove(PolyhedralMesh& mesh, BodySystem& system, StepSolver& solver, double x, double depth,
-                  int cut) {
-  PolygonCut blade;
-  const double lowest = 0.1 - depth;
-  blade.corners_world.resize(3, 4);
-  blade.corners_world << x, x, x, x, -1, 1, 1, -1, lowest, lowest, 1, 1;
-  const CutResult result = cutMesh(mesh, mesh.restPositions(), blade, CuttingConfig(), cut);
-  ASSERT_EQ(result.status, CutStatus::kCut) << result.message;
-  system.follow(mesh, result.change);
-  std::vector<int> touched;
-  std::vector<CellId> cells = result.change.changed_cells;
-  for (const NewCell& cell : result.change.new_cells) cells.push_back(cell.cell);
-  for (const CellId cell : cells) {
-    for (const VertexId vertex : mesh.cell(cell).vertices) touched.push_back(vertex.index());
-  }
-  solver.follow(addedBy(result.change), touched);
-  system.linearise(bend(mesh.restPositions(), kLength, 0.8));
 }
 
 TEST(StepSolver, GoesOnAfterACut) {
@@ -578,81 +498,6 @@ TEST(StepSolver, APieceThatHangsByAVertexOrAnEdgeTakesNoMore) {
       EXPECT_LE(solution.report.iterations, whole + whole / 2) << toString(kind) << hinge.size();
     }
   }
-}
-
-/// Cuts a mesh by planes that do not cross within it; how many of them each vertex lies beyond.
-std::vector<int> cutIntoSlices(PolyhedralMesh& mesh, const std::vector<PlaneCut>& planes) {
-  for (std::size_t k = 0; k < planes.size(); ++k) {
-    const CutResult result =
-        cutMesh(mesh, mesh.restPositions(), planes[k], CuttingConfig(), static_cast<int>(k + 1));
-    EXPECT_EQ(result.status, CutStatus::kCut) << result.message;
-  }
-  std::vector<int> slice(mesh.numVertices(), 0);
-  for (const CellId cell : mesh.cells()) {
-    const std::vector<VertexId>& vertices = mesh.cell(cell).vertices;
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const VertexId vertex : vertices)
-      middle += mesh.restPosition(vertex) / static_cast<double>(vertices.size());
-    const auto beyond = std::count_if(planes.begin(), planes.end(), [&](const PlaneCut& plane) {
-      return plane.normal_world.dot(middle - plane.point_world) > 0;
-    });
-    for (const VertexId vertex : vertices) slice[vertex.index()] = static_cast<int>(beyond);
-  }
-  return slice;
-}
-
-// The residual of all would hardly tell of it.
-TEST(StepSolver, ALightPieceIsSolvedToTheToleranceOfItsOwnLoad) {
-  PolyhedralMesh mesh = makeTetBeam(4);
-  const std::vector<int> slice = cutIntoSlices(mesh, {{{0.398, 0.098, 0.098}, {1, 1, 1}}});
-  BodySystem system(mesh);
-  std::vector<int> corner;
-  double mass = 0;
-  for (const int i : system.active()) {
-    if (slice[i] == 0) continue;
-    corner.push_back(i);
-    mass += system.masses()[i];
-  }
-  ASSERT_GT(mass, 0);
-  ASSERT_LT(mass, 1e-4 * system.masses().sum());
-  system.linearise(bentBeam(mesh));
-  const Eigen::Matrix3Xd b = someLoad(system, 5);
-  for (const SolverKind kind : kIterativeKinds) {
-    for (const double tolerance : {1e-2, 1e-4}) {
-      StepSolver solver(withKind(kind, tolerance));
-      const Solution solution = solve(solver, system, b);
-      ASSERT_EQ(solution.result.status, SolveStatus::kSolved);
-      EXPECT_LE(solution.result.relative_residual, tolerance);
-      EXPECT_LE(residualOf(system, solution.x, b, corner), tolerance) << toString(kind);
-    }
-  }
-}
-
-// Iterated as one, they take what their spectra together are worth, here twice as many.
-TEST(StepSolver, PiecesTakeNoMoreIterationsThanTheHardestOfThem) {
-  PolyhedralMesh mesh = makeTetBeam(4);
-  std::vector<PlaneCut> planes;
-  for (int k = 1; k < 16; ++k) planes.push_back({{0.0253 * k, 0.05, 0.05}, {1, 0.02 * k, 0.01 * k}});
-  const std::vector<int> slice = cutIntoSlices(mesh, planes);
-  BodySystem system(mesh);
-  system.linearise(bentBeam(mesh));
-  const Eigen::Matrix3Xd b = someLoad(system, 5);
-  const auto iterations = [&](const Eigen::Matrix3Xd& load) {
-    StepSolver solver(withKind(SolverKind::kJacobi, 1e-8));
-    const Solution solution = solve(solver, system, load);
-    expectSolved(solution, system, load, 1e-5);
-    return solution.report.iterations;
-  };
-  int most = 0;
-  for (int k = 0; k < 16; ++k) {
-    Eigen::Matrix3Xd alone = b;
-    for (int i = 0; i < mesh.numVertices(); ++i) {
-      if (slice[i] != k) alone.col(i).setZero();
-    }
-    most = std::max(most, iterations(alone));
-  }
-  EXPECT_GT(most, 10);
-  EXPECT_LE(iterations(b), most);
 }
 
 TEST(StepSolver, AnyNumberOfThreadsGivesTheSameBits) {

@@ -24,9 +24,9 @@ enum class Precision {
 
 struct SolverConfig {
   SolverKind kind = SolverKind::kAuto;
-  /// In [1e-12, 0.1]: |A x - b| / |b|, at which conjugate gradients end, r = A x - b followed from iteration
-  /// to iteration. In single precision rounding x adds to the true one what stiffness makes of it, in modes
-  /// that hardly move anything.
+  /// In [1e-12, 0.1]: |A x - b| / |b|, at which conjugate gradients end, A x - b followed from iteration to
+  /// iteration; of parts of a body that nothing joins, each by its own load. In single precision rounding A
+  /// comes on top, which tells where a piece turns about stiff slivers.
   double tolerance = 1e-4;
   /// In [1e-10, 0.1]: if given, they end instead where the estimated error of x, relative to x, both in the
   /// norm of A, is below this.
