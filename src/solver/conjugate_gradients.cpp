@@ -48,28 +48,28 @@ bool ConjugateGradients<Scalar>::setParts(const std::vector<int>& active,
   return true;
 }
 
-/// b . b. Says what the parts may leave of the residual: together the tolerance, each by its load.
+/// b . b, and the parts' loads.
 template <class Scalar>
-double ConjugateGradients<Scalar>::begin(const DifferenceMatrix<Scalar>& matrix, const Vector& b,
-                                         double tolerance) {
+double ConjugateGradients<Scalar>::begin(const DifferenceMatrix<Scalar>& matrix, const Vector& b) {
   double square_b = 0, square_mass = 0, sum = 0;
   for (Part& part : parts_) {
-    part.square_b = part.runs.dot(b, b);
-    part.square_mass = part.energy = part.step_energy = part.last_energy = part.rest_energy = 0;
+    part.energy = part.step_energy = part.last_energy = part.rest_energy = 0;
     part.is_solved = false;
+    part.square_load = part.runs.dot(b, b);
+    part.share = 0;
     for (const ActiveRuns::Run& run : part.runs.runs()) {
       for (Eigen::Index i = run.first / 3; i < (run.first + run.count) / 3; ++i)
-        part.square_mass += matrix.masses[i] * matrix.masses[i];
+        part.share += matrix.masses[i] * matrix.masses[i];
     }
-    square_b += part.square_b;
-    square_mass += part.square_mass;
+    square_b += part.square_load;
+    square_mass += part.share;
   }
   for (Part& part : parts_) {
-    part.share = square_mass > 0 ? part.square_mass / square_mass : 0;
-    part.square_allowed = std::max(part.square_b, part.share * square_b);
-    sum += part.square_allowed;
+    part.share = square_mass > 0 ? part.share / square_mass : 0;
+    part.square_load = std::max(part.square_load, part.share * square_b);
+    sum += part.square_load;
   }
-  for (Part& part : parts_) part.square_allowed *= tolerance * tolerance * square_b / sum;
+  for (Part& part : parts_) part.square_load *= square_b / sum;  // together no more than b . b
   return square_b;
 }
 
@@ -82,18 +82,22 @@ void ConjugateGradients<Scalar>::look(const IterationLimits& limits, int iterati
     const double ratio = part.last_energy > 0 ? std::min(part.step_energy / part.last_energy, 0.9) : 0.5;
     part.rest_energy = part.step_energy * ratio / (1 - ratio);
   }
-  if (limits.error_target) {
+  // What is left of a part that hardly moves may be too small for the numbers of the iteration.
+  constexpr double kRounding = 1e-15;
+  if (part.square_r <= kRounding * kRounding * part.square_load) {
+    part.is_solved = true;
+  } else if (limits.error_target) {
     const double square_target = *limits.error_target * *limits.error_target;
     part.is_solved = iterations > 1 && part.rest_energy <= square_target * part.energy;
   } else {
-    // The residual tells little of how a small piece swings on a sliver. With all in one part it decides
-    // alone.
+    // The residual tells little of how a small piece swings on a sliver. Where all is one part, it alone
+    // tells.
     constexpr double kErrorOfSmallPart = 0.1;
-    const double target = kErrorOfSmallPart * limits.tolerance;
-    part.is_solved = part.square_r <= part.square_allowed &&
-                     (1 - part.share) * part.rest_energy <= target * target * part.energy;
+    const double square_tolerance = limits.tolerance * limits.tolerance;
+    part.is_solved = part.square_r <= square_tolerance * part.square_load &&
+                     (1 - part.share) * part.rest_energy <=
+                         kErrorOfSmallPart * kErrorOfSmallPart * square_tolerance * part.energy;
   }
-  part.is_solved = part.is_solved || part.square_r == 0;
 }
 
 /// The next direction; false where the preconditioner is not positive.
@@ -139,7 +143,7 @@ IterationResult ConjugateGradients<Scalar>::solve(
     for (Vector* const vector : {&r_, &z_, &p_, &q_}) vector->setZero(size);
   }
   IterationResult result;
-  const double square_b = begin(matrix, b, limits.tolerance);
+  const double square_b = begin(matrix, b);
   if (square_b == 0) {
     x.setZero();
     return result;

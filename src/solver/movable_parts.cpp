@@ -31,6 +31,7 @@ MovableParts::MovableParts(const RowPattern& pattern, const std::vector<int>& mo
     std::sort(part.vertices.begin(), part.vertices.end());
     parts_.push_back(std::move(part));
   }
+  if (parts_.size() < 2) part_of_vertex_.clear();
 }
 
 // Beside a fixed parent a movable vertex is of the other one's part: all that is movable of a cell is of one.

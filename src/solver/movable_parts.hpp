@@ -22,7 +22,7 @@ class MovableParts {
   void keepMomentum(const DifferenceMatrix<Scalar>& matrix, const std::vector<int>& active,
                     const Eigen::Matrix3Xd& b, Eigen::Matrix3Xd& x) const;
 
-  /// Number of each vertex's part; -1 for those that are not movable.
+  /// Number of each vertex's part; -1 for those that are not movable. Empty where there is but one part.
   const std::vector<int>& partOfVertex() const { return part_of_vertex_; }
   /// The same parts with vertices that cuts have added, though they may have divided parts. Empty where it is
   /// not known whose they are.

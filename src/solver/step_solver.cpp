@@ -93,8 +93,8 @@ struct StepSolver::Impl {
     ActiveRuns runs;
   };
   std::optional<MovableParts> parts;  // found when first asked for
-  std::vector<int>
-      part_of_vertex;  // that neither the matrix nor what preconditions joins; empty: all are one
+  // Of parts that neither the matrix nor what preconditions joins; empty: all are one.
+  std::vector<int> part_of_vertex;
 
   Lane<float> single;
   Lane<double> twofold;

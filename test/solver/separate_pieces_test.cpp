@@ -86,6 +86,30 @@ TEST(StepSolverOfPieces, PiecesTakeNoMoreIterationsThanTheHardestOfThem) {
   EXPECT_LE(iterations(b), most);
 }
 
+// Its numbers are then too small for single precision.
+TEST(StepSolverOfPieces, APieceThatHardlyMovesStopsNone) {
+  PolyhedralMesh mesh = makeTetBeam(4);
+  const std::vector<int> slice = cutIntoSlices(mesh, {{{0.21, 0.05, 0.05}, {1, 0.1, 0.2}}});
+  BodySystem system(mesh);
+  system.linearise(bentBeam(mesh));
+  for (const double part : {1e-12, 1e-30, 1e-38, 1e-40, 1e-42, 1e-43, 0.0}) {
+    Eigen::Matrix3Xd b = someLoad(system, 5);
+    for (int i = 0; i < mesh.numVertices(); ++i) {
+      if (slice[i] > 0) b.col(i) *= part;
+    }
+    for (const SolverKind kind : kIterativeKinds) {
+      for (const bool by_error : {false, true}) {
+        SolverConfig config = withKind(kind, 1e-4, Precision::kAuto);
+        if (by_error) config.error_target = 1e-4;
+        StepSolver solver(config);
+        const Solution solution = solve(solver, system, b);
+        expectSolved(solution, system, b, 1e-2);
+        EXPECT_EQ(solution.report.fallbacks, 0) << toString(kind) << part << by_error;
+      }
+    }
+  }
+}
+
 // What was made for the whole body joins the pieces of the cut one until it is renewed.
 TEST(StepSolverOfPieces, WhatServedTheWholeServesOnAfterACutThrough) {
   for (const SolverKind kind : kIterativeKinds) {

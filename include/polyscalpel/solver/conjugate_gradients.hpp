@@ -14,11 +14,11 @@
 namespace polyscalpel {
 
 struct IterationLimits {
-  /// |r| / |b|. Each part may have what remains of its load, or of its share of all by mass where that is
-  /// more.
+  /// |r| / |b|. A part may leave so much of its load, or of its share of all loads by mass where that is
+  /// more; a small one goes on until its estimated error, too, is below a tenth of it.
   double tolerance = 1e-4;
-  std::optional<double>
-      error_target;  ///< instead: estimated error of each part in the norm of A, relative to x
+  /// Instead: estimated error of each part in the norm of A, relative to x.
+  std::optional<double> error_target;
   int max_iterations = 500;
   std::optional<std::chrono::steady_clock::time_point> deadline;  ///< ends it, after the first iteration
 };
@@ -61,16 +61,16 @@ class ConjugateGradients {
  private:
   struct Part {
     ActiveRuns runs;
-    double square_mass = 0;  // sum of the vertices' squares
-    double share = 0;        // of that of all parts
-    double square_b = 0, square_allowed = 0, square_r = 0;
+    double share = 0;        // of the sum of the masses' squares
+    double square_load = 0;  // its part of b . b, by what it may leave
+    double square_r = 0;
     double r_dot_z = 0;
     double energy = 0, step_energy = 0, last_energy = 0, rest_energy = 0;
     bool is_solved = false;
   };
 
   bool setParts(const std::vector<int>& active, const std::vector<int>& part_of_vertex);
-  double begin(const DifferenceMatrix<Scalar>& matrix, const Vector& b, double tolerance);
+  double begin(const DifferenceMatrix<Scalar>& matrix, const Vector& b);
   void look(const IterationLimits& limits, int iterations, Part& part);
   bool turn(bool is_first, Part& part);
   bool advance(Part& part, Eigen::VectorXd& x);
