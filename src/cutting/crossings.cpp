@@ -370,14 +370,15 @@ void Crossings::inheritPasses(CellId cell, CellId part) {
 }
 
 void Crossings::recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& origin, bool is_on_cut) {
-  if (is_on_cut) {
+  const auto [a, b] = makeEdge(origin.parents[0], origin.parents[1]);
+  const auto crossed = edges_.find({a, b});
+  if (is_on_cut && crossed == edges_.end()) {
     snapBetween(origin);
+    settleBetween(mesh, origin, origin.vertex);
     open_vertices_.insert(origin.vertex);
     for (const CellId cell : cellsAround(mesh, origin.vertex)) cells_.insert(cell);
     return;
   }
-  const auto [a, b] = makeEdge(origin.parents[0], origin.parents[1]);
-  const auto crossed = edges_.find({a, b});
   if (crossed == edges_.end()) {
     // Seen from an end through which the blade has gone, the new vertex lies where the other end does.
     inheritNeighbour(a, b, origin.vertex);
@@ -408,6 +409,17 @@ void Crossings::snapBetween(const NewVertex& origin) {
   snaps_[origin.vertex] = std::move(snap);
 }
 
+void Crossings::settleBetween(const PolyhedralMesh& mesh, const NewVertex& origin, VertexId place) {
+  for (const CellId cell : cellsAround(mesh, place)) {
+    const auto part = parts_.find(cell);
+    if (part == parts_.end()) continue;
+    auto& settled = part->second.settled;
+    const auto first = settled.find(origin.parents[0]), second = settled.find(origin.parents[1]);
+    if (first != settled.end() && second != settled.end())
+      settled[origin.vertex] = std::max(first->second, second->second);
+  }
+}
+
 void Crossings::recordSide(const PolyhedralMesh& mesh, VertexId vertex, int side) {
   for (const VertexId other : neighboursOf(mesh, vertex)) {
     const auto snap = snaps_.find(other);
@@ -433,16 +445,7 @@ void Crossings::inheritNeighbour(VertexId snapped, VertexId neighbour, VertexId 
 void Crossings::recordOpenedEdge(const PolyhedralMesh& mesh, const std::vector<NewVertex>& new_vertices) {
   const NewVertex& middle = new_vertices.front();
   snapBetween(middle);
-  for (const NewVertex& side : new_vertices) {
-    for (const CellId cell : cellsAround(mesh, side.vertex)) {
-      const auto part = parts_.find(cell);
-      if (part == parts_.end()) continue;
-      auto& settled = part->second.settled;
-      const auto first = settled.find(middle.parents[0]), second = settled.find(middle.parents[1]);
-      if (first != settled.end() && second != settled.end())
-        settled[middle.vertex] = std::max(first->second, second->second);
-    }
-  }
+  for (const NewVertex& side : new_vertices) settleBetween(mesh, middle, side.vertex);
 }
 
 void Crossings::recordDividedCells(const MeshChange& change) {

@@ -285,7 +285,7 @@ class Splitter {
     for (const auto& [edge, middle] : split.splitEdges()) crossings_.recordSplitEdge(mesh(), edge, middle);
     sides.follow(change.new_vertices);
     for (const NewVertex& vertex : change.new_vertices)
-      crossings_.recordDividedEdge(mesh(), vertex, sides.isOnBorder(vertex.vertex));
+      crossings_.recordDividedEdge(mesh(), vertex, sides.at(vertex.vertex) == 0);
     for (const NewVertex& vertex : change.new_vertices) crossings_.snapNear(mesh(), vertex.vertex, tolerance);
     for (const NewVertex& vertex : change.new_vertices) {
       if (sides.at(vertex.vertex) != 0)

@@ -151,6 +151,9 @@ class Crossings {
   void inheritPasses(CellId cell, CellId part);
   /// Snaps a vertex made between two snapped ones.
   void snapBetween(const NewVertex& origin);
+  /// Has it be a corner of their caps, as its parents are, for the cells around `place`, which is the vertex
+  /// itself or a copy of it that these cells are to get.
+  void settleBetween(const PolyhedralMesh& mesh, const NewVertex& origin, VertexId place);
   /// normal: see Snap.
   void snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, int time,
               const Eigen::Vector3d& normal = Eigen::Vector3d::Zero());
