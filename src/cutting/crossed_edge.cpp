@@ -71,4 +71,8 @@ bool isAtAngle(const Eigen::Vector3d& normal, const Eigen::Vector3d& other) {
   return !normal.isZero(0) && !other.isZero(0) && std::abs(normal.dot(other)) < kSmallestCosineInSheet;
 }
 
+bool isSameSheet(const Eigen::Vector3d& normal, const Eigen::Vector3d& other) {
+  return normal.dot(other) > 0 && !isAtAngle(normal, other);
+}
+
 }  // namespace polyscalpel

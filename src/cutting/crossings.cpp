@@ -53,24 +53,6 @@ bool isInWall(const PolyhedralMesh& mesh, Edge edge) {
 
 }  // namespace
 
-int Crossings::Snap::sideOfNeighbour(VertexId neighbour) const {
-  for (const auto& [vertex, neighbour_side] : neighbours) {
-    if (vertex == neighbour) return neighbour_side;
-  }
-  return side;
-}
-
-bool Crossings::Snap::isTold(VertexId neighbour) const {
-  return std::any_of(neighbours.begin(), neighbours.end(),
-                     [&](const auto& known) { return known.first == neighbour; });
-}
-
-void Crossings::Snap::forgetNeighbour(VertexId neighbour) {
-  neighbours.erase(std::remove_if(neighbours.begin(), neighbours.end(),
-                                  [&](const auto& known) { return known.first == neighbour; }),
-                   neighbours.end());
-}
-
 void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tolerance) {
   const auto [a, b] = hit.edge;
   const auto snap_a = snaps_.find(a), snap_b = snaps_.find(b);
@@ -128,6 +110,7 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
   if (is_near) {
     const VertexId vertex = through_a ? a : b, other = through_a ? b : a;
     const int other_side = through_a ? hit.sign : -hit.sign;
+    const double weight = through_a ? hit.weight : 1 - hit.weight;
     if (is_near_a && is_near_b) {
       near_[other] = other_side;
     } else {
@@ -136,11 +119,11 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
       recordDistance(other, snap_tolerance * (to_other - off_tangent));
     }
     if (is_snapped) {
-      addAtSnapped(mesh, vertex, other, other_side, hit.normal);
+      addAtSnapped(mesh, vertex, other, other_side, weight, hit.normal);
     } else {
       passCells(cellsAround(mesh, vertex));
       snapAt(mesh, vertex, -other_side, time_, hit.normal);
-      snaps_[vertex].neighbours.emplace_back(other, other_side);
+      snaps_[vertex].addHit(other, other_side, weight);
     }
     meetCells(cellsAroundEdge(mesh, a, b));
     return;
@@ -152,30 +135,35 @@ void Crossings::add(const PolyhedralMesh& mesh, const Hit& hit, double snap_tole
   crossed.normal = hit.normal;
   crossed.time = crossed.last_time = time_;
   meetCells(cellsAroundEdge(mesh, a, b));
-  if (snap_a != snaps_.end() && !isReleased(a)) snap_a->second.neighbours.emplace_back(b, hit.sign);
-  if (snap_b != snaps_.end() && !isReleased(b)) snap_b->second.neighbours.emplace_back(a, -hit.sign);
+  if (snap_a != snaps_.end() && !isReleased(a))
+    snap_a->second.neighbours.push_back({b, hit.sign, hit.weight, hit.weight});
+  if (snap_b != snaps_.end() && !isReleased(b))
+    snap_b->second.neighbours.push_back({a, -hit.sign, 1 - hit.weight, 1 - hit.weight});
 }
 
 void Crossings::addAtSnapped(const PolyhedralMesh& mesh, VertexId vertex, VertexId other, int other_side,
-                             const Eigen::Vector3d& normal) {
-  Snap& snap = snaps_.at(vertex);
+                             double weight, const Eigen::Vector3d& normal) {
+  SnappedVertex& snap = snaps_.at(vertex);
   if (snap.last_time < time_) passCells(cellsAround(mesh, vertex));
   snap.last_time = time_;
   if (!isReleased(vertex)) {
     // Another sheet, which goes through the corners that the parts of cells have got by the first one.
     if (isAtAngle(normal, snap.normal)) snap.time = time_;
-    if (snap.side != 0 && snap.sideOfNeighbour(other) == snap.side)
-      snap.neighbours.emplace_back(other, other_side);
+    if (snap.side != 0 && isSameSheet(normal, snap.normal)) {
+      snap.addHit(other, other_side, weight);
+    } else if (snap.side != 0 && !snap.find(other)) {
+      snap.neighbours.push_back({other, other_side});
+    }
     return;
   }
-  snap.again.emplace_back(other, other_side);
+  snap.again.push_back({other, other_side, weight, weight});
   // An edge of the slit that leads away from the blade's surface: this sheet crosses the one that made it, as
   // it does where their normals tell so.
   if ((!isOnCut(other) || !isReleased(other)) && !isAtAngle(normal, snap.normal)) {
     // The sheets lie on each other: what one parts from the vertex, the other does, whichever way it is
     // drawn.
     if (snap.side != 0 && snap.sideOfNeighbour(other) == snap.side)
-      snap.neighbours.emplace_back(other, -snap.side);
+      snap.neighbours.push_back({other, -snap.side});
     return;
   }
   snap.neighbours = std::move(snap.again);
@@ -265,7 +253,7 @@ void Crossings::snap(const PolyhedralMesh& mesh, VertexId vertex, int side, Cell
 
 void Crossings::snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, int time,
                        const Eigen::Vector3d& normal) {
-  Snap& snap = snaps_[vertex];
+  SnappedVertex& snap = snaps_[vertex];
   snap.side = side;
   snap.normal = normal;
   snap.has_joined = false;
@@ -278,7 +266,7 @@ void Crossings::snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, in
     if (crossed == edges_.end()) continue;
     // Where the blade comes back, both of its sheets may cross an edge, one of them through the vertex.
     if (isComingBack(normal, crossed->second.normal)) continue;
-    snap.neighbours.emplace_back(other, crossed->second.sideAt(other < vertex));
+    snap.neighbours.push_back({other, crossed->second.sideAt(other < vertex)});
     edges_.erase(crossed);
   }
 }
@@ -399,7 +387,7 @@ void Crossings::recordDividedEdge(const PolyhedralMesh& mesh, const NewVertex& o
 }
 
 void Crossings::snapBetween(const NewVertex& origin) {
-  Snap snap;
+  SnappedVertex snap;
   for (const VertexId parent : origin.parents) {
     const auto place = snaps_.find(parent);
     if (place == snaps_.end()) continue;
@@ -424,22 +412,15 @@ void Crossings::recordSide(const PolyhedralMesh& mesh, VertexId vertex, int side
   for (const VertexId other : neighboursOf(mesh, vertex)) {
     const auto snap = snaps_.find(other);
     if (snap == snaps_.end()) continue;
-    auto& neighbours = snap->second.neighbours;
-    if (std::none_of(neighbours.begin(), neighbours.end(),
-                     [&](const auto& neighbour) { return neighbour.first == vertex; }))
-      neighbours.emplace_back(vertex, side);
+    if (!snap->second.find(vertex)) snap->second.neighbours.push_back({vertex, side});
   }
 }
 
 void Crossings::inheritNeighbour(VertexId snapped, VertexId neighbour, VertexId heir) {
   const auto snap = snaps_.find(snapped);
   if (snap == snaps_.end()) return;
-  for (const auto& [vertex, side] : snap->second.neighbours) {
-    if (vertex != neighbour) continue;
-    const int inherited = side;
-    snap->second.neighbours.emplace_back(heir, inherited);
-    return;
-  }
+  if (const auto* known = snap->second.find(neighbour))
+    snap->second.neighbours.push_back({heir, known->side});
 }
 
 void Crossings::recordOpenedEdge(const PolyhedralMesh& mesh, const std::vector<NewVertex>& new_vertices) {
@@ -481,7 +462,7 @@ void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
   for (const NewVertex& origin : change.new_vertices) {
     const auto snap = snaps_.find(originalOf(origin.vertex));
     if (snap == snaps_.end() || originalOf(origin.vertex) == origin.vertex) continue;
-    const Snap value = snap->second;
+    const SnappedVertex value = snap->second;
     snaps_[origin.vertex] = value;
     if (open_vertices_.count(originalOf(origin.vertex))) open_vertices_.insert(origin.vertex);
   }
@@ -490,11 +471,8 @@ void Crossings::update(const PolyhedralMesh& mesh, const MeshChange& change) {
     if (former == copy) continue;
     for (const VertexId other : neighboursOf(mesh, copy)) {
       if (const auto snap = snaps_.find(other); snap != snaps_.end()) {
-        for (std::size_t i = 0; i < snap->second.neighbours.size(); ++i) {
-          if (snap->second.neighbours[i].first != former) continue;
-          snap->second.neighbours.emplace_back(copy, snap->second.neighbours[i].second);
-          break;
-        }
+        if (const auto* known = snap->second.find(former))
+          snap->second.neighbours.push_back({copy, known->side});
       }
       const VertexId former_other = originalOf(other);
       if (const auto crossed = edges_.find(makeEdge(former, former_other)); crossed != edges_.end()) {

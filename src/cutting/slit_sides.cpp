@@ -56,7 +56,7 @@ int Crossings::sideOf(const PolyhedralMesh& mesh, CellId cell, FaceId face_id) c
         if (is_at_face) sum.at_face += side;
       };
       add(votes[other]);
-      if (crossed != edges_.end() || !snap->second.has_joined || snap->second.isTold(other)) add(told[other]);
+      if (crossed != edges_.end() || !snap->second.has_joined || snap->second.find(other)) add(told[other]);
     }
   }
   // A vertex high above the face tells most: what lies near the blade's surface may be on either side of it

@@ -125,6 +125,7 @@ class Splitter {
     if (splitOff(cell, components, parts)) return Outcome::kSplit;
     dropEmpty(cell, components);
     for (const double reach : kAbsorbDistances) {
+      if (reach > furthest_absorbed_) break;
       while (components.size() > 1 &&
              (absorbBetween(cell) || absorbHanging(cell, components) || absorbFlat(cell, components, reach) ||
               absorbThin(cell, components, reach))) {
@@ -136,7 +137,7 @@ class Splitter {
         crossings_.settle(cell);
         return Outcome::kConnected;
       }
-      if (divideAcross(cell, components)) return Outcome::kSplit;
+      if (divideAcross(cell, components, reach)) return Outcome::kSplit;
     }
     return Outcome::kLeftWhole;
   }
@@ -223,8 +224,9 @@ class Splitter {
 
   /// Where the cap of a cell would be bent so much that a part does not see all its surface from any one
   /// point: divides the cell by a closed plane across the cap, whose parts are then split by flatter caps.
-  /// Tries one plane after the other until nothing is left whole. Returns whether it did.
-  bool divideAcross(CellId cell, const std::vector<std::vector<VertexId>>& components) {
+  /// Tries one plane after the other until nothing is left whole. reach: how far off the cut what joins it may
+  /// be in the parts, in snap distances. Returns whether it did.
+  bool divideAcross(CellId cell, const std::vector<std::vector<VertexId>>& components, double reach) {
     const auto place = divisions_.find(cell);
     const int depth = place == divisions_.end() ? 0 : place->second;
     if (depth >= most_divisions_) return false;
@@ -241,7 +243,10 @@ class Splitter {
     const std::size_t savepoint = editor_.savepoint();
     for (const DividingPlane& plane : dividingPlanes()) {
       for (const auto& component : components) {
-        if (!divideBy(plane, cell, component, depth)) continue;
+        furthest_absorbed_ = reach;
+        const bool is_divided = divideBy(plane, cell, component, depth);
+        furthest_absorbed_ = kInfinity;
+        if (!is_divided) continue;
         if (counts.left_whole.size() == before.counts.left_whole.size()) return true;
         editor_.rollBackTo(savepoint);
         crossings_ = before.crossings;
@@ -500,6 +505,7 @@ class Splitter {
   std::vector<VertexId> shared_middles_;  // see CellSplit
   std::unordered_map<CellId, int> divisions_;
   int most_divisions_ = kMostDivisions;
+  double furthest_absorbed_ = kInfinity;  // of kAbsorbDistances, within a trial
   const BorderSides* border_ = nullptr;  // where set: no edge of a cap may join its two sides
   std::size_t border_since_ = 0;         // savepoint up to which it tells
 };

@@ -11,6 +11,7 @@
 #include <boost/container/flat_map.hpp>
 
 #include "polyscalpel/cutting/crossed_edge.hpp"
+#include "polyscalpel/cutting/snapped_vertex.hpp"
 #include "polyscalpel/mesh/mesh_change.hpp"
 #include "polyscalpel/mesh/polyhedral_mesh.hpp"
 
@@ -154,12 +155,12 @@ class Crossings {
   /// Has it be a corner of their caps, as its parents are, for the cells around `place`, which is the vertex
   /// itself or a copy of it that these cells are to get.
   void settleBetween(const PolyhedralMesh& mesh, const NewVertex& origin, VertexId place);
-  /// normal: see Snap.
+  /// normal: see SnappedVertex.
   void snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, int time,
               const Eigen::Vector3d& normal = Eigen::Vector3d::Zero());
-  /// A hit nearer than the snap distance to a vertex that is snapped already.
+  /// A hit nearer than the snap distance to a vertex that is snapped already. weight: from the vertex on.
   void addAtSnapped(const PolyhedralMesh& mesh, VertexId vertex, VertexId other, int other_side,
-                    const Eigen::Vector3d& normal);
+                    double weight, const Eigen::Vector3d& normal);
   bool isOfEarlierPass(CellId cell, int last_time) const;
   /// Whether the blade has left all cells around a vertex of the slit and what was to open there is open.
   bool isReleased(VertexId vertex) const { return open_vertices_.count(vertex) == 0; }
@@ -168,19 +169,6 @@ class Crossings {
   /// Whether a crossing counts for no cell around its edge.
   bool isSettled(const PolyhedralMesh& mesh, Edge edge, const CrossedEdge& crossed) const;
 
-  struct Snap {
-    int side = 0;             ///< of the vertex; 0 for one made on the blade's surface
-    int time = 0;             ///< when the blade's surface came to go through it
-    int last_time = 0;        ///< when the blade was last here
-    bool has_joined = false;  ///< no hit has brought it here
-    std::vector<std::pair<VertexId, int>>
-        neighbours;                               ///< sides of vertices at the other end of crossed edges
-    std::vector<std::pair<VertexId, int>> again;  ///< the same as the blade comes back, released before
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< of the blade's way here; zero where not known
-    int sideOfNeighbour(VertexId neighbour) const;
-    bool isTold(VertexId neighbour) const;
-    void forgetNeighbour(VertexId neighbour);
-  };
   /// In place of the time at which a corner became one, where the part still counts it.
   static constexpr int kNotYetSettled = -1;
   struct Part {
@@ -195,7 +183,7 @@ class Crossings {
   };
 
   std::unordered_map<Edge, CrossedEdge, EdgeHash> edges_;
-  std::unordered_map<VertexId, Snap> snaps_;
+  std::unordered_map<VertexId, SnappedVertex> snaps_;
   std::unordered_map<VertexId, int> near_;          // see sideIfNear()
   std::unordered_map<VertexId, double> distances_;  // see leastDistance()
   std::unordered_map<CellId, Part> parts_;
