@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "polyscalpel/cutting/border_sides.hpp"
 #include "polyscalpel/cutting/cap_facets.hpp"
 #include "polyscalpel/cutting/cut_mesh.hpp"
+#include "polyscalpel/cutting/snapped_vertex.hpp"
 #include "polyscalpel/mesh/mesh_checks.hpp"
 #include "polyscalpel/mesh/mesh_generation.hpp"
 #include "support/torture.hpp"
@@ -98,6 +100,30 @@ TEST(SilentBridge, VerticesMadeWhileACellIsDividedLieWhereTheirEdgesLie) {
   EXPECT_EQ(sides.at(v(10)), -1);
 }
 
+TEST(SilentBridge, HitsTellTheSidesOfASnappedVertexInWhateverOrder) {
+  // A bent sheet between the vertex, behind it, and three neighbours: it comes through two of the edges once
+  // more, nearer to the vertex or further away.
+  struct EdgeHit {
+    int neighbour, other_side;
+    double weight;
+  };
+  std::vector<EdgeHit> hits = {{1, +1, 0.01},  {2, +1, 0.003}, {2, -1, 0.02},
+                               {3, +1, 0.002}, {3, -1, 0.01},  {3, +1, 0.04}};
+  const auto less = [](const EdgeHit& a, const EdgeHit& b) {
+    return std::tie(a.neighbour, a.weight) < std::tie(b.neighbour, b.weight);
+  };
+  std::sort(hits.begin(), hits.end(), less);
+  do {
+    SnappedVertex vertex;
+    for (const EdgeHit& hit : hits) vertex.addHit(VertexId(hit.neighbour), hit.other_side, hit.weight);
+    EXPECT_EQ(vertex.side, -1);
+    EXPECT_EQ(vertex.sideOfNeighbour(VertexId(1)), 1);
+    EXPECT_EQ(vertex.sideOfNeighbour(VertexId(2)), -1);
+    EXPECT_EQ(vertex.sideOfNeighbour(VertexId(3)), 1);
+    EXPECT_EQ(vertex.sideOfNeighbour(VertexId(4)), -1) << "what no hit parts from it lies where it does";
+  } while (std::next_permutation(hits.begin(), hits.end(), less));
+}
+
 TEST(SilentBridge, AHitKnowsTheAngleToTheSurfaceHoweverLongTheBladeThatTurns) {
   // The triangles that a blade sweeps as it turns are tilted the more the longer it is.
   const PolyhedralMesh mesh = makeTetBox(Vector3d::Zero(), Vector3d::Ones(), {4, 4, 4});
@@ -128,14 +154,22 @@ TEST(SilentBridge, AHitKnowsTheAngleToTheSurfaceHoweverLongTheBladeThatTurns) {
 }
 
 TEST(SilentBridge, AStrokePartsABodyHoweverItComesToItsCells) {
-  // A curved stroke that snaps a corner by an edge far from the cells it comes to next, and strokes that turn
-  // back and come through corners of their own slit once more.
+  // A curved stroke that snaps a corner by an edge far from the cells it comes to next, strokes that turn
+  // back and come through corners of their own slit once more, a blade that turns and crosses an edge twice
+  // right at a corner, planes by cells that are divided first: an edge between two corners of the cut is
+  // divided off the border there, and a part takes what lies two snap distances off, where another division
+  // need not.
   struct Body {
     std::string name;
     unsigned seed;
     int cuts;
   };
-  for (const Body& body : std::vector<Body>{{"ball", 47, 1}, {"beam", 28, 23}, {"ball", 74, 19}}) {
+  for (const Body& body : std::vector<Body>{{"ball", 47, 1},
+                                            {"beam", 28, 23},
+                                            {"ball", 74, 19},
+                                            {"ball", 81, 12},
+                                            {"block", 58, 16},
+                                            {"block", 54, 17}}) {
     std::vector<TortureFailure> failures;
     for (const TortureRow& row : torture(TortureSize::kUsual, body.name, body.seed, body.cuts, failures))
       EXPECT_EQ(row.pieces_missing, 0) << body.name << ", seed " << body.seed << ": " << row.kind;
