@@ -149,7 +149,8 @@ void Crossings::addAtSnapped(const PolyhedralMesh& mesh, VertexId vertex, Vertex
   if (!isReleased(vertex)) {
     // Another sheet, which goes through the corners that the parts of cells have got by the first one.
     if (isAtAngle(normal, snap.normal)) snap.time = time_;
-    if (snap.side != 0 && isSameSheet(normal, snap.normal)) {
+    // What lies near the surface with both its ends says nothing new: by rounding, from one pass to the next.
+    if (snap.side != 0 && !near_.count(other) && isSameSheet(normal, snap.normal)) {
       snap.addHit(other, other_side, weight);
     } else if (snap.side != 0 && !snap.find(other)) {
       snap.neighbours.push_back({other, other_side});
