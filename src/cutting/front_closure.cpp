@@ -207,15 +207,14 @@ class SegmentFront {
 /// Cells that a segment may meet, or come within the snap distance of, ascending.
 std::vector<CellId> cellsNear(const PolyhedralMesh& mesh, const CellTree& tree, const FrontSegment& segment,
                               double snap_tolerance) {
-  const Eigen::AlignedBox3d reach(segment.start_world.cwiseMin(segment.end_world),
-                                  segment.start_world.cwiseMax(segment.end_world));
+  Matrix3Xd ends(3, 2);
+  ends << segment.start_world, segment.end_world;
+  const double largest_coordinate = ends.cwiseAbs().maxCoeff();
   std::vector<CellId> near;
   tree.visit(
       mesh,
-      [&](CellTree::Bound bound) {
-        bound.box.min().array() -= snap_tolerance * bound.largest_size;
-        bound.box.max().array() += snap_tolerance * bound.largest_size;
-        return bound.box.intersects(reach);
+      [&](const CellTree::Bound& bound) {
+        return meets(bound.box, ends, atLeast(snap_tolerance * bound.largest_size, largest_coordinate));
       },
       [&](CellId id) {
         near.push_back(id);
