@@ -252,6 +252,11 @@ void Crossings::snap(const PolyhedralMesh& mesh, VertexId vertex, int side, Cell
   snaps_[vertex].has_joined = true;
 }
 
+void Crossings::takeUp(const PolyhedralMesh& mesh, VertexId vertex) {
+  snaps_.erase(vertex);
+  snapAt(mesh, vertex, 0, time_);
+}
+
 void Crossings::snapAt(const PolyhedralMesh& mesh, VertexId vertex, int side, int time,
                        const Eigen::Vector3d& normal) {
   SnappedVertex& snap = snaps_[vertex];

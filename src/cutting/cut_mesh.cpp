@@ -10,6 +10,7 @@
 #include "polyscalpel/core/checks.hpp"
 #include "polyscalpel/cutting/blade_distance.hpp"
 #include "polyscalpel/cutting/blade_sweep.hpp"
+#include "polyscalpel/cutting/blade_way.hpp"
 #include "polyscalpel/cutting/crossings.hpp"
 #include "polyscalpel/cutting/cut_input.hpp"
 #include "polyscalpel/cutting/front_closure.hpp"
@@ -32,6 +33,9 @@ constexpr double kTakeUpDistance = 2;
 /// Snap tolerance along the blade where it stands, as part of the cut's: a nick little deeper than the snap
 /// distance is to open.
 constexpr double kNickSnap = 0.5;
+/// A blade that comes back is in its own slit as long as it is no further from its way than this, in snap
+/// distances.
+constexpr double kInSlit = 0.2;
 /// Travel, in localSize, over which the direction of the blade is taken.
 constexpr double kSteadyTravel = 0.1;
 
@@ -112,6 +116,8 @@ class CutTransaction {
   }
 
   const CellTree& tree() const { return tree_; }
+  std::size_t savepoint() const { return editor_.savepoint(); }
+  MeshChange changeSince(std::size_t savepoint) const { return editor_.changeSince(savepoint); }
 
   void remember(const std::vector<Hit>& hits) {
     for (const Hit& hit : hits) crossings_.add(mesh_, hit, config_.snap_tolerance);
@@ -188,6 +194,8 @@ struct BladeCut::Impl {
   std::set<CellId> refused;            // could not be split; tried once more when the stroke ends
   std::optional<MeshIndex> own_index;  // where the caller keeps none: the pieces alone, without a tree
   std::optional<BladeFront> front;     // since the blade is in the tissue
+  BladeWay way;                        // since the blade has crossed something
+  std::optional<BladeTurn> turn;       // while the blade comes back in its own slit
   std::vector<VertexId> taken_up;      // on the fronts of other slits where the blade's way began
   double last_size = kInfinity;        // localSize around the blade, of when it had last crossed something
   double last_travel_in_sizes = 0;
@@ -197,42 +205,44 @@ struct BladeCut::Impl {
     crossings.clear();
     refused.clear();
     front.reset();
+    way.clear();
+    turn.reset();
     taken_up.clear();
     last_size = kInfinity;
     last_travel_in_sizes = 0;
   }
 
-  /// Follows the way of the blade relative to the tissue around it.
-  void followFront(const PolyhedralMesh& mesh, const BladeMotion& motion) {
+  /// The tissue's own motion around what the blade has crossed and not yet split, as a rigid one.
+  Isometry3d tissueMotion(const BladeMotion& motion) const {
+    std::set<VertexId> around;
+    for (const auto& [edge, crossed] : crossings.edges()) around.insert({edge.first, edge.second});
+    Isometry3d tissue = Isometry3d::Identity();
+    if (around.empty()) return tissue;
+    Matrix3Xd from(3, around.size()), to(3, around.size());
+    Eigen::Index i = 0;
+    for (const VertexId v : around) {
+      from.col(i) = motion.positions_start.col(v.index());
+      to.col(i++) = motion.positions_end.col(v.index());
+    }
+    // Where fewer than three vertices tell of it, the best fit may turn about what they leave open.
+    if (around.size() > 3 && from != to) {
+      tissue.matrix() = Eigen::umeyama(from, to, false);
+    } else {
+      tissue.translation() = (to - from).rowwise().mean();
+    }
+    return tissue;
+  }
+
+  /// Follows the way of the blade relative to the tissue around it, which has moved by `tissue`.
+  void followFront(const PolyhedralMesh& mesh, const BladeMotion& motion, const Isometry3d& tissue) {
     const Matrix3Xd blade_world = motion.T_world_tool_end * edge_tool;
     if (!front) {
       front = BladeFront{blade_world, Matrix3Xd::Zero(3, edge_tool.cols()), 0};
       travel_since = Matrix3Xd::Zero(3, edge_tool.cols());
     }
-    // The tissue's own motion around the blade, as a rigid one. Where fewer than three vertices tell of it,
-    // the best fit may turn about what they leave open: a translation then.
     double size = kInfinity;
-    std::set<VertexId> around;
-    for (const auto& [edge, crossed] : crossings.edges()) {
-      for (const VertexId v : {edge.first, edge.second}) {
-        around.insert(v);
-        size = std::min(size, mesh.localSize(v));
-      }
-    }
-    Isometry3d tissue = Isometry3d::Identity();
-    if (!around.empty()) {
-      Matrix3Xd from(3, around.size()), to(3, around.size());
-      Eigen::Index i = 0;
-      for (const VertexId v : around) {
-        from.col(i) = motion.positions_start.col(v.index());
-        to.col(i++) = motion.positions_end.col(v.index());
-      }
-      if (around.size() > 3 && from != to) {
-        tissue.matrix() = Eigen::umeyama(from, to, false);
-      } else {
-        tissue.translation() = (to - from).rowwise().mean();
-      }
-    }
+    for (const auto& [edge, crossed] : crossings.edges())
+      size = std::min({size, mesh.localSize(edge.first), mesh.localSize(edge.second)});
 
     // The direction in which the blade arrives, and the whole way.
     const Isometry3d T_late = interpolate(motion.T_world_tool_start, motion.T_world_tool_end, 1 - kLatePart);
@@ -270,13 +280,80 @@ struct BladeCut::Impl {
   /// Splits whatever the blade has passed, up to where it stands. moved: positions, which get the vertices
   /// that closing the front makes. Returns what the splits after that changed.
   MeshChange splitToFront(CutTransaction& transaction, Matrix3Xd& moved) {
-    if (front) transaction.close(moved, makeFront(*front), kNickSnap * config.snap_tolerance);
+    if (front)
+      transaction.close(moved, makeFront(turn ? turn->front : *front), kNickSnap * config.snap_tolerance);
     return splitAll(transaction);
+  }
+
+  /// Whether the blade, which comes back, leaves its own slit by this motion for another way. Otherwise way
+  /// and turn go with the tissue to the motion's end.
+  bool turnsAside(const BladeMotion& motion) {
+    if (!front || crossings.isEmpty()) {
+      way.clear();
+      turn.reset();
+      return false;
+    }
+    const Matrix3Xd start_world = motion.T_world_tool_start * edge_tool,
+                    end_world = motion.T_world_tool_end * edge_tool;
+    const Isometry3d tissue = tissueMotion(motion);
+    // As seen from the tissue before the motion.
+    const Matrix3Xd end_seen = tissue.inverse() * end_world;
+    if (way.isEmpty()) way.goOn(start_world, 0);
+    if (!turn && BladeTurn::startsAt(*front, end_seen - start_world)) {
+      turn = BladeTurn{*front, motion.T_world_tool_start};
+      way.goOn(start_world, 0);
+    }
+    double distance = 0;
+    if (turn && turn->isPassedBy(end_seen)) {
+      front->travel_world = turn->front.travel_world;
+      turn.reset();
+    } else if (turn) {
+      distance = way.distance(end_seen);
+      if (distance > config.snap_tolerance * last_size) return true;
+    }
+    way.follow(tissue);
+    if (!turn) {
+      way.goOn(end_world, kSteadyTravel * last_size);
+      return false;
+    }
+    turn->follow(tissue);
+    const double since_in_slit = (end_world - turn->T_in_slit * edge_tool).colwise().norm().maxCoeff();
+    if (distance < kInSlit * config.snap_tolerance * last_size || since_in_slit > last_size)
+      turn->T_in_slit = motion.T_world_tool_end;
+    return false;
+  }
+
+  /// The slit ends where the blade has turned, and a new stroke begins where it was last in that slit: two
+  /// sheets of one stroke that meet within a cell would have it hang together between them. positions: where
+  /// the motion starts that leaves the slit; they get columns for the new vertices.
+  void beginAnew(CutTransaction& transaction, const PolyhedralMesh& mesh, const BladeMotion& motion,
+                 Matrix3Xd& positions, bool& has_left) {
+    extendByNewVertices(splitToFront(transaction, positions).new_vertices, positions);
+    const Isometry3d T_in_slit = turn->T_in_slit;
+    forget();
+    if (T_in_slit.isApprox(motion.T_world_tool_start, 0)) return;
+    const Matrix3Xd still = positions;
+    const MeshChange change =
+        moveOn(transaction, mesh, {edge_tool, T_in_slit, motion.T_world_tool_start, still, still}, has_left);
+    extendByNewVertices(change.new_vertices, positions);
   }
 
   /// One motion within a transaction. Returns what it changed; sets has_left where it ended the stroke.
   MeshChange move(CutTransaction& transaction, const PolyhedralMesh& mesh, const BladeMotion& motion,
                   bool& has_left) {
+    if (!turnsAside(motion)) return moveOn(transaction, mesh, motion, has_left);
+    const std::size_t savepoint = transaction.savepoint();
+    Matrix3Xd start = motion.positions_start, end = motion.positions_end;
+    beginAnew(transaction, mesh, motion, start, has_left);
+    extendByNewVertices(transaction.changeSince(savepoint).new_vertices, end);
+    moveOn(transaction, mesh, {edge_tool, motion.T_world_tool_start, motion.T_world_tool_end, start, end},
+           has_left);
+    return transaction.changeSince(savepoint);
+  }
+
+  /// As move(), of a blade that goes on or comes back in its own slit.
+  MeshChange moveOn(CutTransaction& transaction, const PolyhedralMesh& mesh, const BladeMotion& motion,
+                    bool& has_left) {
     const std::optional<std::vector<Hit>> hits =
         findHits(mesh, transaction.tree(), motion, config.max_travel);
     has_left = !hits;
@@ -291,14 +368,14 @@ struct BladeCut::Impl {
     }
     if (!hits->empty()) {
       // Before the hits, which would say of a vertex at the blade on which side of it it lies: by rounding.
-      for (const VertexId v : taken_up) crossings.snap(mesh, v, 0);
+      for (const VertexId v : taken_up) crossings.takeUp(mesh, v);
       taken_up.clear();
     }
     transaction.remember(*hits);
     const Matrix3Xd blade_world = motion.T_world_tool_end * edge_tool;
     const std::unordered_set<CellId> held =
         cellsAtBlade(mesh, transaction.tree(), motion.positions_end, blade_world, config.hold_back);
-    followFront(mesh, motion);
+    followFront(mesh, motion, tissueMotion(motion));
     has_left = held.empty();
     if (has_left) return splitAll(transaction);
     // Parts of a cell that was ready are, too: they are not among the held ones.

@@ -56,8 +56,8 @@ class SegmentFront {
     p_ = segment.start_world;
     way_ = segment.end_world - p_;
     const Vector3d& travel = segment.travel_world;
-    sheet_normal_ = way_.cross(travel);
-    if (sheet_normal_.norm() <= kSmallestSine * way_.norm() * travel.norm()) return 0;
+    sheet_normal_ = segment.sheetNormal();
+    if (sheet_normal_.isZero(0)) return 0;
 
     const Vector3d direction = travel.normalized();
     std::array<std::unordered_set<CellId>, 2> passed;  // by each end of the segment
@@ -276,6 +276,12 @@ bool isBeyond(const PolyhedralMesh& mesh, const Positions& positions, const std:
 }
 
 }  // namespace
+
+Vector3d FrontSegment::sheetNormal() const {
+  const Vector3d way = end_world - start_world, normal = way.cross(travel_world);
+  return normal.norm() <= kSmallestSine * way.norm() * travel_world.norm() ? Vector3d(Vector3d::Zero())
+                                                                           : normal;
+}
 
 std::vector<FrontSegment> makeFront(const BladeFront& blade) {
   std::vector<FrontSegment> front;

@@ -193,7 +193,17 @@ TortureCut vTurn(const TortureBody& body, const TortureCut*, TortureRandom& rand
     const double in = s < 1 ? s : 2 - s;
     poses.push_back(track.pose(track.reach * (-1.3 + in * (depth + 1.3)), s < 1 ? 0 : (s - 1) * spread));
   }
-  return strokeCut(straightBlade(-track.reach, track.reach), poses, body, random);
+  TortureCut cut = strokeCut(straightBlade(-track.reach, track.reach), poses, body, random);
+  // Between the two sheets, or outside; of the tip's cells alone the second one may find no vertex between.
+  const Vector3d way_out(-(depth + 1.3) * track.reach, spread, 0);
+  const Vector3d normal_out = Vector3d(way_out.y(), -way_out.x(), 0).normalized();
+  cut.separator = {[=](const Vector3d& x) {
+                     Vector3d local = track.axes.transpose() * (x - track.centre);
+                     local.x() -= depth * track.reach;
+                     return std::min(local.y(), -normal_out.dot(local));
+                   },
+                   0};
+  return cut;
 }
 
 TortureCut crossesItself(const TortureBody& body, const TortureCut*, TortureRandom& random) {

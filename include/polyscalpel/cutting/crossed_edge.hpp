@@ -80,8 +80,8 @@ bool isComingBack(const Eigen::Vector3d& normal, const Eigen::Vector3d& former);
 /// Whether two surfaces with these normals cross; not where one is not known, that is, zero.
 bool isAtAngle(const Eigen::Vector3d& normal, const Eigen::Vector3d& other);
 
-/// Whether a way with this normal goes on with the sheet that has the other one, the same way round; not where
-/// one is not known, that is, zero.
+/// Whether a way with this normal goes on with the sheet that has the other one, the same way round; not
+/// where one is not known, that is, zero.
 bool isSameSheet(const Eigen::Vector3d& normal, const Eigen::Vector3d& other);
 
 }  // namespace polyscalpel

@@ -29,6 +29,9 @@ struct FrontSegment {
   /// Whether the surface has its side there, along the travel: at the start, at the end.
   std::array<bool, 2> is_tip = {false, false};
   double side_length_m = 0;  ///< of such sides
+
+  /// Normal of the surface, of no particular length; zero where the segment travels along itself.
+  Eigen::Vector3d sheetNormal() const;
 };
 
 /// Where the surface ends that the blade has swept.
