@@ -216,6 +216,7 @@ struct BladeCut::Impl {
   Isometry3d tissueMotion(const BladeMotion& motion) const {
     std::set<VertexId> around;
     for (const auto& [edge, crossed] : crossings.edges()) around.insert({edge.first, edge.second});
+    around.insert(crossings.openVertices().begin(), crossings.openVertices().end());
     Isometry3d tissue = Isometry3d::Identity();
     if (around.empty()) return tissue;
     Matrix3Xd from(3, around.size()), to(3, around.size());
@@ -234,16 +235,12 @@ struct BladeCut::Impl {
   }
 
   /// Follows the way of the blade relative to the tissue around it, which has moved by `tissue`.
-  void followFront(const PolyhedralMesh& mesh, const BladeMotion& motion, const Isometry3d& tissue) {
+  void followFront(const BladeMotion& motion, const Isometry3d& tissue) {
     const Matrix3Xd blade_world = motion.T_world_tool_end * edge_tool;
     if (!front) {
       front = BladeFront{blade_world, Matrix3Xd::Zero(3, edge_tool.cols()), 0};
       travel_since = Matrix3Xd::Zero(3, edge_tool.cols());
     }
-    double size = kInfinity;
-    for (const auto& [edge, crossed] : crossings.edges())
-      size = std::min({size, mesh.localSize(edge.first), mesh.localSize(edge.second)});
-
     // The direction in which the blade arrives, and the whole way.
     const Isometry3d T_late = interpolate(motion.T_world_tool_start, motion.T_world_tool_end, 1 - kLatePart);
     const Matrix3Xd start_world = motion.T_world_tool_start * edge_tool;
@@ -252,11 +249,11 @@ struct BladeCut::Impl {
     front->travel_world = tissue.linear() * front->travel_world;
     travel_since += (blade_world - T_late * edge_tool) / kLatePart - drift;
     const Matrix3Xd way = blade_world - start_world - drift;
-    if (!crossings.edges().empty()) last_size = size;
     last_travel_in_sizes = way.colwise().norm().maxCoeff() / last_size;
     front->blade_world = blade_world;
     front->stroke_length_m += way.colwise().norm().maxCoeff();
-    if (front->travel_world.isZero(0) || travel_since.colwise().norm().maxCoeff() > kSteadyTravel * size) {
+    if (front->travel_world.isZero(0) ||
+        travel_since.colwise().norm().maxCoeff() > kSteadyTravel * last_size) {
       front->travel_world = travel_since;
       travel_since.setZero();
     }
@@ -370,12 +367,15 @@ struct BladeCut::Impl {
       // Before the hits, which would say of a vertex at the blade on which side of it it lies: by rounding.
       for (const VertexId v : taken_up) crossings.takeUp(mesh, v);
       taken_up.clear();
+      last_size = kInfinity;
+      for (const Hit& hit : *hits)
+        last_size = std::min({last_size, mesh.localSize(hit.edge.first), mesh.localSize(hit.edge.second)});
     }
     transaction.remember(*hits);
     const Matrix3Xd blade_world = motion.T_world_tool_end * edge_tool;
     const std::unordered_set<CellId> held =
         cellsAtBlade(mesh, transaction.tree(), motion.positions_end, blade_world, config.hold_back);
-    followFront(mesh, motion, tissueMotion(motion));
+    followFront(motion, tissueMotion(motion));
     has_left = held.empty();
     if (has_left) return splitAll(transaction);
     // Parts of a cell that was ready are, too: they are not among the held ones.

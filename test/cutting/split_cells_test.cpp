@@ -125,7 +125,7 @@ TEST(SplitCells, AStrokeThatCrossesAnEdgeTwiceBitesNothingOffIt) {
   for (int i = -8; i <= 8; ++i) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     const double depth = 0.2 - 0.7 * std::abs(i) / 8;
-    T.translation() = Vector3d(depth, depth, 0.5 + 0.05 * i);
+    T.translation() = Vector3d(depth, depth, 0.5 + 0.15 * i);
     sweep.T_world_tool.push_back(T);
   }
   const Matrix3Xd positions = mesh.restPositions();
