@@ -33,9 +33,6 @@ constexpr double kTakeUpDistance = 2;
 /// Snap tolerance along the blade where it stands, as part of the cut's: a nick little deeper than the snap
 /// distance is to open.
 constexpr double kNickSnap = 0.5;
-/// A blade that comes back is in its own slit as long as it is no further from its way than this, in snap
-/// distances.
-constexpr double kInSlit = 0.2;
 /// Travel, in localSize, over which the direction of the blade is taken.
 constexpr double kSteadyTravel = 0.1;
 
@@ -300,13 +297,11 @@ struct BladeCut::Impl {
       turn = BladeTurn{*front, motion.T_world_tool_start};
       way.goOn(start_world, 0);
     }
-    double distance = 0;
     if (turn && turn->isPassedBy(end_seen)) {
       front->travel_world = turn->front.travel_world;
       turn.reset();
-    } else if (turn) {
-      distance = way.distance(end_seen);
-      if (distance > config.snap_tolerance * last_size) return true;
+    } else if (turn && way.distance(end_seen) > config.snap_tolerance * last_size) {
+      return true;
     }
     way.follow(tissue);
     if (!turn) {
@@ -314,8 +309,7 @@ struct BladeCut::Impl {
       return false;
     }
     turn->follow(tissue);
-    const double since_in_slit = (end_world - turn->T_in_slit * edge_tool).colwise().norm().maxCoeff();
-    if (distance < kInSlit * config.snap_tolerance * last_size || since_in_slit > last_size)
+    if ((end_world - turn->T_in_slit * edge_tool).colwise().norm().maxCoeff() > last_size)
       turn->T_in_slit = motion.T_world_tool_end;
     return false;
   }

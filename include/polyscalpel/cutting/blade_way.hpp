@@ -37,7 +37,7 @@ class BladeWay {
 /// A blade that comes back, as seen from where it has been furthest.
 struct BladeTurn {
   BladeFront front;             ///< where the surface ends that it has swept
-  Eigen::Isometry3d T_in_slit;  ///< where it was last in its own slit, T_world_tool
+  Eigen::Isometry3d T_in_slit;  ///< where it was in its own slit, no more than a local size ago: T_world_tool
 
   /// Whether a blade at a front comes back from there. way_world: of its points relative to the tissue, 3 x k
   /// [m].
