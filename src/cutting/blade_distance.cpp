@@ -161,26 +161,31 @@ std::unordered_set<CellId> cellsAtBlade(const PolyhedralMesh& mesh, const CellTr
   return cells;
 }
 
-std::vector<VertexId> frontAtBlade(const PolyhedralMesh& mesh, const CellTree& tree,
-                                   const Positions& positions, const Positions& blade_world,
-                                   double tolerance) {
+std::vector<VertexId> slitAtBlade(const PolyhedralMesh& mesh, const CellTree& tree,
+                                  const Positions& positions, const Positions& blade_world,
+                                  double wall_tolerance, double front_tolerance) {
   std::vector<VertexId> vertices;
-  const auto isAtBlade = [&](VertexId v) {
+  const auto isAtBlade = [&](VertexId v, double relative_distance) {
     for (Eigen::Index i = 0; i + 1 < blade_world.cols(); ++i) {
-      if (isWithin(tolerance * mesh.localSize(v), positions.col(v.index()), blade_world.col(i),
+      if (isWithin(relative_distance * mesh.localSize(v), positions.col(v.index()), blade_world.col(i),
                    blade_world.col(i + 1)))
         return true;
     }
     return false;
   };
+  const auto isOnWall = [&](VertexId v) {
+    const auto& faces = mesh.facesAround(v);
+    return std::any_of(faces.begin(), faces.end(), [&](FaceId id) { return mesh.face(id).cut > 0; });
+  };
   tree.visit(
       mesh,
       [&](const CellTree::Bound& bound) {
-        return meets(bound.box, blade_world, tolerance * bound.largest_size);
+        return meets(bound.box, blade_world, front_tolerance * bound.largest_size);
       },
       [&](CellId id) {
         for (const VertexId v : mesh.cell(id).vertices) {
-          if (isAtBlade(v) && isOnCrackFront(mesh, v)) vertices.push_back(v);
+          if (!isAtBlade(v, front_tolerance) || !isOnWall(v)) continue;
+          if (isAtBlade(v, wall_tolerance) || isOnCrackFront(mesh, v)) vertices.push_back(v);
         }
         return true;
       });

@@ -28,7 +28,8 @@ using Positions = Eigen::Ref<const Matrix3Xd>;
 /// The last part of a motion, from which the direction is taken in which the blade arrives.
 constexpr double kLatePart = 1.0 / 16;
 /// A stroke goes on from a slit's front that is no further from the blade where it starts, in snap distances:
-/// of two, one is the slit's sheet off its blade, and the other the front.
+/// of two, one is the slit's sheet off its blade, and the other the front. From its walls it does within one,
+/// as they may end a little behind the front.
 constexpr double kTakeUpDistance = 2;
 /// Snap tolerance along the blade where it stands, as part of the cut's: a nick little deeper than the snap
 /// distance is to open.
@@ -193,7 +194,7 @@ struct BladeCut::Impl {
   std::optional<BladeFront> front;     // since the blade is in the tissue
   BladeWay way;                        // since the blade has crossed something
   std::optional<BladeTurn> turn;       // while the blade comes back in its own slit
-  std::vector<VertexId> taken_up;      // on the fronts of other slits where the blade's way began
+  std::vector<VertexId> taken_up;      // of other slits, where the blade's way began
   double last_size = kInfinity;        // localSize around the blade, of when it had last crossed something
   double last_travel_in_sizes = 0;
   Matrix3Xd travel_since;  // of the blade relative to the tissue, not in front->travel_world yet
@@ -354,8 +355,8 @@ struct BladeCut::Impl {
     }
     if (!front) {
       const Matrix3Xd start_world = motion.T_world_tool_start * edge_tool;
-      taken_up = frontAtBlade(mesh, transaction.tree(), motion.positions_start, start_world,
-                              kTakeUpDistance * config.snap_tolerance);
+      taken_up = slitAtBlade(mesh, transaction.tree(), motion.positions_start, start_world,
+                             config.snap_tolerance, kTakeUpDistance * config.snap_tolerance);
     }
     if (!hits->empty()) {
       // Before the hits, which would say of a vertex at the blade on which side of it it lies: by rounding.

@@ -29,11 +29,13 @@ std::unordered_set<CellId> cellsAtBlade(const PolyhedralMesh& mesh, const CellTr
                                         const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
                                         const Eigen::Ref<const Eigen::Matrix3Xd>& blade_world, double margin);
 
-/// Vertices on fronts of slits (crack_front.hpp) nearer to the polyline than tolerance * localSize,
-/// ascending.
-std::vector<VertexId> frontAtBlade(const PolyhedralMesh& mesh, const CellTree& tree,
-                                   const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
-                                   const Eigen::Ref<const Eigen::Matrix3Xd>& blade_world, double tolerance);
+/// Vertices of slits at which a polyline stands, ascending: of their walls those nearer to it than
+/// wall_tolerance * localSize, of their fronts (crack_front.hpp) those nearer than front_tolerance *
+/// localSize, which is no less.
+std::vector<VertexId> slitAtBlade(const PolyhedralMesh& mesh, const CellTree& tree,
+                                  const Eigen::Ref<const Eigen::Matrix3Xd>& positions,
+                                  const Eigen::Ref<const Eigen::Matrix3Xd>& blade_world,
+                                  double wall_tolerance, double front_tolerance);
 
 /// A distance [m] by so much larger that rounding, of points with coordinates up to largest_coordinate [m],
 /// takes none away that is within it.
