@@ -26,7 +26,7 @@ namespace {
 constexpr std::size_t kMostAbsorbed = 4;  ///< vertices of a thin component that may join the cut
 /// How far they may be from it, in snap distances: what lies further off than it may be snapped joins the cut
 /// only where a division does not help either.
-constexpr double kAbsorbDistances[] = {1, 2};
+constexpr double kAbsorbDistances[] = {0.5, 1, 2};
 
 /// How often a cell that cannot be split soundly is divided first.
 constexpr int kMostDivisions = 3;
@@ -224,8 +224,8 @@ class Splitter {
 
   /// Where the cap of a cell would be bent so much that a part does not see all its surface from any one
   /// point: divides the cell by a closed plane across the cap, whose parts are then split by flatter caps.
-  /// Tries one plane after the other until nothing is left whole. reach: how far off the cut what joins it may
-  /// be in the parts, in snap distances. Returns whether it did.
+  /// Tries one plane after the other until nothing is left whole. reach: how far off the cut what joins it
+  /// may be in the parts, in snap distances. Returns whether it did.
   bool divideAcross(CellId cell, const std::vector<std::vector<VertexId>>& components, double reach) {
     const auto place = divisions_.find(cell);
     const int depth = place == divisions_.end() ? 0 : place->second;
@@ -506,8 +506,8 @@ class Splitter {
   std::unordered_map<CellId, int> divisions_;
   int most_divisions_ = kMostDivisions;
   double furthest_absorbed_ = kInfinity;  // of kAbsorbDistances, within a trial
-  const BorderSides* border_ = nullptr;  // where set: no edge of a cap may join its two sides
-  std::size_t border_since_ = 0;         // savepoint up to which it tells
+  const BorderSides* border_ = nullptr;   // where set: no edge of a cap may join its two sides
+  std::size_t border_since_ = 0;          // savepoint up to which it tells
 };
 
 }  // namespace
