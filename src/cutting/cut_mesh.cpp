@@ -192,7 +192,7 @@ struct BladeCut::Impl {
   std::set<CellId> refused;            // could not be split; tried once more when the stroke ends
   std::optional<MeshIndex> own_index;  // where the caller keeps none: the pieces alone, without a tree
   std::optional<BladeFront> front;     // since the blade is in the tissue
-  BladeWay way;                        // since the blade has crossed something
+  BladeWay way;                        // in the tissue
   std::optional<BladeTurn> turn;       // while the blade comes back in its own slit
   std::vector<VertexId> taken_up;      // of other slits, where the blade's way began
   double last_size = kInfinity;        // localSize around the blade, of when it had last crossed something
@@ -283,18 +283,13 @@ struct BladeCut::Impl {
   /// Whether the blade, which comes back, leaves its own slit by this motion for another way. Otherwise way
   /// and turn go with the tissue to the motion's end.
   bool turnsAside(const BladeMotion& motion) {
-    if (!front || crossings.isEmpty()) {
-      way.clear();
-      turn.reset();
-      return false;
-    }
+    if (!front) return false;
     const Matrix3Xd start_world = motion.T_world_tool_start * edge_tool,
                     end_world = motion.T_world_tool_end * edge_tool;
     const Isometry3d tissue = tissueMotion(motion);
     // As seen from the tissue before the motion.
     const Matrix3Xd end_seen = tissue.inverse() * end_world;
-    if (way.isEmpty()) way.goOn(start_world, 0);
-    if (!turn && BladeTurn::startsAt(*front, end_seen - start_world)) {
+    if (!turn && !crossings.isEmpty() && BladeTurn::startsAt(*front, end_seen - start_world)) {
       turn = BladeTurn{*front, motion.T_world_tool_start};
       way.goOn(start_world, 0);
     }
@@ -355,6 +350,8 @@ struct BladeCut::Impl {
     }
     if (!front) {
       const Matrix3Xd start_world = motion.T_world_tool_start * edge_tool;
+      way.goOn(start_world, 0);
+      way.goOn(motion.T_world_tool_end * edge_tool, 0);
       taken_up = slitAtBlade(mesh, transaction.tree(), motion.positions_start, start_world,
                              config.snap_tolerance, kTakeUpDistance * config.snap_tolerance);
     }

@@ -26,7 +26,6 @@ class BladeWay {
   double distance(const Eigen::Ref<const Eigen::Matrix3Xd>& blade_world) const;
 
   void clear() { places_.clear(); }
-  bool isEmpty() const { return places_.empty(); }
 
  private:
   double distance(Eigen::Index point, const Eigen::Vector3d& position) const;
