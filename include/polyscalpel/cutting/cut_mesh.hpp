@@ -119,6 +119,11 @@ CutResult cutMesh(PolyhedralMesh& mesh, const Eigen::Ref<const Eigen::Matrix3Xd>
 /// is taken away (finish(), forget()), or when its motion is refused. If another cut divides a pending edge,
 /// the crossing stays with the part in which it lies; if that edge goes with its cells, so does the crossing.
 /// A stroke that starts at the end of a slit goes on from there.
+///
+/// A blade that comes back (by more than a right angle) is in its own slit as long as it is no further off
+/// its way than snap_tolerance * localSize. Where it leaves the slit by another way, the stroke ends: the
+/// front is closed where the blade has turned, and a new stroke goes on from there, so that a V parts what
+/// lies in it.
 class BladeCut {
  public:
   /// edge_tool: 3 x k, k >= 2 [m], the cutting edge as a polyline in the tool's frame. Throws
