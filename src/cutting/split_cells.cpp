@@ -234,7 +234,7 @@ class Splitter {
       // Part of such a trial: the first plane that divides it will do.
       for (const auto& component : components) {
         for (const DividingPlane& plane : kFurtherDividingPlanes) {
-          if (divideBy(plane, cell, component, depth)) return true;
+          if (divideBy(plane, cell, components, component, depth)) return true;
         }
       }
       return false;
@@ -244,7 +244,7 @@ class Splitter {
     for (const DividingPlane& plane : dividingPlanes()) {
       for (const auto& component : components) {
         furthest_absorbed_ = reach;
-        const bool is_divided = divideBy(plane, cell, component, depth);
+        const bool is_divided = divideBy(plane, cell, components, component, depth);
         furthest_absorbed_ = kInfinity;
         if (!is_divided) continue;
         if (counts.left_whole.size() == before.counts.left_whole.size()) return true;
@@ -260,8 +260,9 @@ class Splitter {
     return false;
   }
 
-  /// Divides a cell across the border of a component and splits the parts. Returns whether it did.
-  bool divideBy(const DividingPlane& dividing, CellId cell, const std::vector<VertexId>& component,
+  /// Divides a cell across the border of one of its components and splits the parts. Returns whether it did.
+  bool divideBy(const DividingPlane& dividing, CellId cell,
+                const std::vector<std::vector<VertexId>>& components, const std::vector<VertexId>& component,
                 int depth) {
     const std::size_t savepoint = editor_.savepoint();
     CellSplit split(editor_, crossings_, cell, component);
@@ -303,14 +304,17 @@ class Splitter {
     follow(across.shared_middles_);
     for (const NewCell& part : change.new_cells) {
       divisions_[part.cell] = depth + 1;
-      if (joinsSides(part.cell, sides)) counts.left_whole.push_back(part.cell);
+      if (joins(part.cell, sides, components)) counts.left_whole.push_back(part.cell);
     }
     for (const NewCell& part : change.new_cells) splitRepeatedly(part.cell);
     return true;
   }
 
-  /// Whether vertices of a cell on both sides of a border hang together.
-  bool joinsSides(CellId cell, const BorderSides& sides) const {
+  /// Whether vertices of a cell on both sides of a border hang together, or of different ones of the
+  /// components that the whole had: what the dividing face has of two that corners of the cut hold apart,
+  /// nothing does.
+  bool joins(CellId cell, const BorderSides& sides,
+             const std::vector<std::vector<VertexId>>& components_of_whole) const {
     const auto& vertices = mesh().cell(cell).vertices;
     auto components = findComponents(mesh(), crossings_, cell);
     if (components.empty()) components.push_back({vertices.begin(), vertices.end()});
@@ -319,7 +323,13 @@ class Splitter {
         return std::any_of(component.begin(), component.end(),
                            [&](VertexId v) { return sides.at(v) == side; });
       };
-      return hasSide(-1) && hasSide(1);
+      const auto meets = [&](const auto& of_whole) {
+        return std::any_of(of_whole.begin(), of_whole.end(), [&](VertexId v) {
+          return std::binary_search(component.begin(), component.end(), v);
+        });
+      };
+      return (hasSide(-1) && hasSide(1)) ||
+             std::count_if(components_of_whole.begin(), components_of_whole.end(), meets) > 1;
     });
   }
 
