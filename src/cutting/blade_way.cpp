@@ -15,8 +15,8 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using Positions = Eigen::Ref<const Matrix3Xd>;
 
-/// What is remembered of a long stroke: the latest.
-constexpr std::size_t kMostPlaces = 2000;
+/// What is remembered of a long stroke: the latest. All of them move with the tissue in every step.
+constexpr std::size_t kMostPlaces = 500;
 /// By how much the flat strip between two places is longer at either end, as part of its length, so that
 /// there is no gap outside a bend.
 constexpr double kOverlap = 0.25;

@@ -210,7 +210,7 @@ struct BladeCut::Impl {
     last_travel_in_sizes = 0;
   }
 
-  /// The tissue's own motion around what the blade has crossed and not yet split, as a rigid one.
+  /// The tissue's own motion around what the blade has crossed and not yet split or opened, as a rigid one.
   Isometry3d tissueMotion(const BladeMotion& motion) const {
     std::set<VertexId> around;
     for (const auto& [edge, crossed] : crossings.edges()) around.insert({edge.first, edge.second});
@@ -332,6 +332,7 @@ struct BladeCut::Impl {
     const std::size_t savepoint = transaction.savepoint();
     Matrix3Xd start = motion.positions_start, end = motion.positions_end;
     beginAnew(transaction, mesh, motion, start, has_left);
+    if (transaction.isRefused()) return {};
     extendByNewVertices(transaction.changeSince(savepoint).new_vertices, end);
     moveOn(transaction, mesh, {edge_tool, motion.T_world_tool_start, motion.T_world_tool_end, start, end},
            has_left);
@@ -404,8 +405,9 @@ CutResult BladeCut::advance(PolyhedralMesh& mesh, const Positions& positions_sta
               {impl_->edge_tool, T_world_tool_start, T_world_tool_end, positions_start, positions_end},
               has_left);
   CutResult result = transaction.finish(has_left);
-  // What is remembered goes on from here, so divisions stay even where they were of no use.
-  if (whole.editor.savepoint() > 0) result.status = CutStatus::kCut;
+  // What is remembered goes on from here, so divisions stay even where they were of no use. A motion that is
+  // refused has made none: not that of the front where the blade has turned before, either.
+  if (!transaction.isRefused() && whole.editor.savepoint() > 0) result.status = CutStatus::kCut;
   result = whole.end(std::move(result));
   if (has_left) impl_->forget();
   return result;

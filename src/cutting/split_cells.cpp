@@ -24,8 +24,8 @@ namespace polyscalpel {
 namespace {
 
 constexpr std::size_t kMostAbsorbed = 4;  ///< vertices of a thin component that may join the cut
-/// How far they may be from it, in snap distances: what lies further off than it may be snapped joins the cut
-/// only where a division does not help either.
+/// How far they may be from it, in snap distances: what lies further off joins the cut only where no division
+/// helps that has nearer ones join alone.
 constexpr double kAbsorbDistances[] = {0.5, 1, 2};
 
 /// How often a cell that cannot be split soundly is divided first.

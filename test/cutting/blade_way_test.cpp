@@ -181,6 +181,28 @@ TEST(BladeTurn, ItMakesNoDifferenceHowFineTheStepsAreOrWhetherTheBladeRests) {
   }
 }
 
+TEST(BladeTurn, AMotionThatIsRefusedClosesNoSlitWhereTheBladeHasTurned) {
+  const Track track(0);
+  PolyhedralMesh mesh = makeCube(true);
+  BladeCut blade(straightBlade(3), CuttingConfig());
+  const Poses poses = vTurn(track, 0.5, 12);
+  const auto advance = [&](const Isometry3d& from, const Isometry3d& to) {
+    const Matrix3Xd still = mesh.restPositions();
+    return blade.advance(mesh, still, still, from, to, 1);
+  };
+  for (int i = 0; i < 12; ++i) advance(poses[i], poses[i + 1]);
+  ASSERT_TRUE(blade.isCutting());
+  const Matrix3Xd before = mesh.restPositions();
+  const int num_cells = mesh.numCells();
+  Isometry3d away = poses[12];
+  away.translate(Vector3d(-1e5, 1e5, 0));
+  EXPECT_EQ(advance(poses[12], away).status, CutStatus::kRefused);
+  EXPECT_EQ(mesh.numCells(), num_cells);
+  EXPECT_EQ(mesh.restPositions(), before);
+  EXPECT_FALSE(blade.isCutting()) << "the stroke has ended";
+  EXPECT_TRUE(checkMesh(mesh).empty());
+}
+
 TEST(BladeTurn, TissueThatMovesAlongMakesNoDifference) {
   // Blade and tissue turn and move together while the V is drawn.
   const Track track(1);

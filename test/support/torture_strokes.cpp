@@ -194,7 +194,7 @@ TortureCut vTurn(const TortureBody& body, const TortureCut*, TortureRandom& rand
     poses.push_back(track.pose(track.reach * (-1.3 + in * (depth + 1.3)), s < 1 ? 0 : (s - 1) * spread));
   }
   TortureCut cut = strokeCut(straightBlade(-track.reach, track.reach), poses, body, random);
-  // Between the two sheets, or outside; of the tip's cells alone the second one may find no vertex between.
+  // What lies between the two sheets on one side, all else on the other.
   const Vector3d way_out(-(depth + 1.3) * track.reach, spread, 0);
   const Vector3d normal_out = Vector3d(way_out.y(), -way_out.x(), 0).normalized();
   cut.separator = {[=](const Vector3d& x) {

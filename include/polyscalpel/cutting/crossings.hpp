@@ -76,7 +76,7 @@ class Crossings {
   /// cell counts.
   void snap(const PolyhedralMesh& mesh, VertexId vertex, int side, CellId cell);
 
-  /// Has the blade's surface begin at a vertex on the front of a slit, whatever it was to this stroke before.
+  /// Has the blade's surface begin at a vertex of a slit, whatever it was to this stroke before.
   void takeUp(const PolyhedralMesh& mesh, VertexId vertex);
 
   /// Snaps a vertex that another cut has made, where an edge of it is crossed within the snap distance.

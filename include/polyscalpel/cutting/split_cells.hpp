@@ -26,10 +26,10 @@ enum class Slit { kOpen, kClosed };
 /// slit stays closed, and a cell all of whose components lie on one side is none to be split. A split that
 /// would leave a cell (or a touched neighbour) with a sub-tet not above smallestSubTetAllowed() is undone;
 /// then vertices that lie in an edge between two corners of the cut join it, then a thin component, at most 4
-/// vertices or all of a flat one within snap_tolerance h of the cut; then the cell is divided across the cut
-/// and its parts are split; then a component within twice that distance joins the cut; then the cell is left
-/// whole and counted. Vertices that hang in one straight edge, crossed on both sides of them, are no
-/// component: no cap could part them from the cell.
+/// vertices or all of a flat one within half of snap_tolerance h of the cut; then the cell is divided across
+/// the cut and its parts are split; then both once more with a component within snap_tolerance h, and within
+/// twice that; then the cell is left whole and counted. Vertices that hang in one straight edge, crossed on
+/// both sides of them, are no component: no cap could part them from the cell.
 SplitCounts splitCells(MeshEditor& editor, Crossings& crossings, const std::function<bool(CellId)>& is_ready,
                        double snap_tolerance, int cut, Slit slit = Slit::kOpen);
 
